@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.stages.gaits import gait_section
 from slider.config.compose import compose
 from slider.config.schema import Config
-from slider.gait.formulation import Formulation, formulate
+from slider.gait.formulation import Formulation
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
@@ -26,7 +26,7 @@ def config() -> Config:
 
 @cache
 def form(dynamics: str = "prismatic", turning: bool = False) -> Formulation:
-    return formulate(config().robot, replace(config().gait, dynamics=dynamics), turning)
+    return Formulation(config().robot, replace(config().gait, dynamics=dynamics), turning)
 
 
 @cache

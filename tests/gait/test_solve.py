@@ -1,20 +1,175 @@
-"""Gaits over the range of velocities, and with the hip as the phase: they converge and walk."""
+"""Solved gaits: velocities, transcriptions, costs, step-time laws, guesses, motors and the hip."""
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
+import numpy as np
 import pytest
 
-from slider.gait.formulation import formulate, least_hip_rate
+from slider.config.gait import StepTime
+from slider.gait import bezier
+from slider.gait.formulation import Formulation, least_hip_rate
 from slider.gait.problem import build
-from slider.gait.solution import dense_violations, knee_trajectory
-from slider.gait.solve import GaitSolver, Solve
-from tests.gait.gaits import config, form, problem, solved, trajectory
+from slider.gait.solution import DENSE, coefficients, dense_nodes, dense_violations, knee_trajectory
+from slider.gait.solve import Attempt, GaitSolver, Solve, duration_bounds
+from slider.robot.knee_map import prismatic_joints, with_upper_feet
+from slider.robot.transmission import Transmission
+from tests.gait.gaits import config, form, nodes, problem, solved
 
-VELOCITIES = [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)]
+VELOCITY = (0.4, 0.0)
 
 
-@pytest.mark.parametrize("velocity", VELOCITIES)
+@cache
+def formulated(vx: float = VELOCITY[0], **changes: Any) -> Formulation:
+    gait = replace(config().gait, **changes)
+    return Formulation(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
+
+
+def solve_with(form: Formulation, guesses=("cold",), step_time: StepTime | None = None):
+    gait = config().gait
+    settings = replace(gait.solver, guesses=list(guesses))
+    return GaitSolver(build(form), settings, step_time or gait.step_time)
+
+
+def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Torques [N m] and speeds [rad/s] (S, 10) of the motors of a walk."""
+    walk = knee_trajectory(problem(), variables)
+    _, velocity = prismatic_joints(walk.q, walk.v, config().robot)
+    transmission = Transmission.of(config().robot)
+    return transmission.torques(with_upper_feet(walk.efforts)), transmission.angles(velocity)
+
+
+def test_collocation_costs_less_than_polynomials():
+    """The polynomials are a subset of all motions, up to the collocation's own error."""
+    solver = solve_with(formulated(transcription="collocation"))
+    free = solver.solve(*VELOCITY)
+    assert free.success, free.status
+    assert free.max_violation <= 1e-6
+    assert 0.2 < free.cost / solved(*VELOCITY).cost < 0.4
+    fitted, error = coefficients(solver.problem, free.variables)
+    assert fitted.shape == (2, 10, config().gait.degree + 1)
+    assert 0.01 < error < 0.1
+    positions = solver.problem.layout.node_vectors(free.variables)[..., 3:13]
+    phase = solver.problem.layout.phase
+    missed = [bezier.evaluate(fitted[step], phase) - positions[step] for step in range(2)]
+    assert np.abs(missed).max() == pytest.approx(error, rel=1e-9)
+
+
+def test_each_cost_is_least_for_its_own_optimum():
+    found = {
+        name: solve_with(formulated(cost=name)).solve(*VELOCITY) for name in ("torque", "transport")
+    }
+    found["paper"] = solved(*VELOCITY)
+    for name, own in found.items():
+        assert own.success, name
+        value = _cost(name, own.variables)
+        assert value == pytest.approx(own.cost, rel=1e-9)
+        for other in found.values():
+            assert value <= _cost(name, other.variables) * (1 + 1e-6)
+
+
+def _cost(name: str, variables: np.ndarray) -> float:
+    """Independent evaluation at the nodes."""
+    gait = problem()
+    layout = gait.layout
+    trajectory = knee_trajectory(gait, variables)
+    time = variables[layout.time_index(0)]
+    square = (trajectory.torques**2).sum(axis=1)
+    if name == "paper":
+        return float(square.sum() / time)
+    if name == "torque":
+        return float(layout.weights @ square)
+    torques, speeds = motors(variables)
+    absolute = (np.sqrt((torques * speeds) ** 2 + 1.0) - 1.0).sum(axis=1)
+    return float(layout.weights @ absolute) / 2 / (form().weight)
+
+
+def test_the_ramp_arrives_where_the_cold_start_does():
+    ramp = solve_with(formulated(), guesses=("ramp",)).solve(*VELOCITY)
+    assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
+    assert ramp.success
+    assert ramp.cost == pytest.approx(solved(*VELOCITY).cost, rel=1e-6)
+
+
+ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
+
+
+class Scripted(GaitSolver):
+    """Attempts end as given: cost and success by guess."""
+
+    def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
+        cost, success = ENDS[guess]
+        attempts = (Attempt(guess, "", 1, cost),)
+        return Solve(np.full(3, cost), "", success, 1, cost, {}, {}, 0.0, 0.0, {}, attempts)
+
+
+@pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])
+def test_the_best_of_several_starts_is_kept(keep, cost, tried):
+    settings = replace(config().gait.solver, guesses=list(ENDS), keep=keep)
+    solve = Scripted(problem(), settings, config().gait.step_time).solve(*VELOCITY)
+    assert (solve.cost, solve.success, len(solve.attempts)) == (cost, True, tried)
+    assert (solve.variables == cost).all()
+
+
+def test_the_next_guess_is_tried_after_a_failure():
+    gait = config().gait
+    settings = replace(gait.solver, guesses=["cold", "crouched"], max_iterations=2)
+    solve = GaitSolver(problem(), settings, gait.step_time).solve(*VELOCITY)
+    assert [attempt.name for attempt in solve.attempts] == ["cold", "crouched"]
+    assert not solve.success
+    assert all(attempt.iterations == 2 for attempt in solve.attempts)
+
+
+def test_step_time_laws():
+    laws = {"free": (0.25, 0.42), "fixed": (0.4, 0.4), "speed": (0.35, 0.35)}
+    for law, expected in laws.items():
+        bounds = duration_bounds(StepTime(0.25, 0.42, law, 0.4, -0.05), 1.0, 0.0)
+        assert bounds == pytest.approx(expected)
+    solver = solve_with(formulated(), step_time=StepTime(0.25, 0.42, "fixed", 0.36, 0.0))
+    solve, layout = solver.solve(*VELOCITY), solver.problem.layout
+    assert solve.success
+    assert [solve.variables[layout.time_index(step)] for step in range(2)] == [0.36, 0.36]
+
+
+def test_weaker_motors_and_a_lower_voltage_reach_their_bounds():
+    """Torques of the capstan's motors follow from slide force and ankle torque."""
+    robot, limit, share = config().robot, 2.7, 0.25
+    drive = replace(robot.drives["capstan"], torque=limit)
+    weak = Formulation(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
+    transmission = Transmission.of(robot)
+
+    def torque(solve: Solve) -> float:
+        return np.abs(motors(solve.variables)[0][:, [3, 4, 8, 9]]).max()
+
+    def voltage(solve: Solve) -> float:
+        torques, speeds = motors(solve.variables)
+        return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
+
+    for changed, quantity, bound in (
+        (weak, torque, limit),
+        (formulated(voltage=share), voltage, share),
+    ):
+        solve = solve_with(changed).solve(*VELOCITY)
+        assert solve.success, solve.status
+        assert quantity(solved(*VELOCITY)) > 1.02 * bound
+        assert quantity(solve) == pytest.approx(bound, abs=1e-4)
+
+
+def test_between_nodes_the_constraints_nearly_hold():
+    violations = dense_violations(problem(), solved(*VELOCITY).variables)
+    assert violations["clearance"] < 4e-4  # the nodes leave a margin below; nothing above
+    assert violations["motor_torque"] == violations["motor_voltage"] == 0.0
+    assert 0.1 < violations["foot_line_moment"] < 1.0
+    assert violations["torso"] < 1e-3
+
+
+def test_dense_phases_pass_through_the_nodes():
+    dense = dense_nodes(problem(), solved(*VELOCITY).variables).reshape(2, -1, 34)[:, ::DENSE]
+    np.testing.assert_allclose(dense.reshape(-1, 34), nodes(*VELOCITY), atol=1e-9)
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)])
 def test_cold_starts_converge(velocity):
     solve = solved(*velocity)
     assert solve.success, solve.status
@@ -22,45 +177,26 @@ def test_cold_starts_converge(velocity):
     assert solve.iterations < 60
 
 
-@pytest.mark.parametrize("velocity", VELOCITIES)
-def test_the_swing_foot_clears_the_ground_and_stays_low(velocity):
-    posture, half = config().gait.posture, problem().nodes
-    height = trajectory(*velocity).swing_foot[:, 2].reshape(2, half)
-    assert (height.max(axis=1) >= posture.clearance - 1e-6).all()
-    assert (height <= posture.swing_height + 1e-6).all()
-
-
-VELOCITY = (0.6, 0.0)
-SHARE = 0.97
-
-
-@cache
-def solver(share: float, vx: float) -> GaitSolver:
-    gait = replace(config().gait, phase="hip", hip_share=share)
-    bounded = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
-    return GaitSolver(build(bounded), gait.solver, gait.step_time)
-
-
 def least_speed(solver: GaitSolver, solve: Solve) -> float:
     """Forward velocity of the hip [m/s]."""
     return float(knee_trajectory(solver.problem, solve.variables).base_velocity[:, 0].min())
 
 
-def test_a_bound_that_bites_is_kept_and_so_are_the_others():
-    hip = solver(SHARE, VELOCITY[0])
-    solve = hip.solve(*VELOCITY)
+def test_a_bound_of_the_hip_is_kept_and_so_are_the_others():
+    vx, share = 0.6, 0.97
+    hip, free = solve_with(formulated(vx, phase="hip", hip_share=share)), solved(vx, 0.0)
+    solve = hip.solve(vx, 0.0)
     assert solve.success, solve.status
-    assert set(solve.residuals) == set(solved(*VELOCITY).residuals) | {"hip_rate"}
+    assert set(solve.residuals) == set(free.residuals) | {"hip_rate"}
     assert solve.max_violation <= config().library.max_violation
-    free = knee_trajectory(problem(), solved(*VELOCITY).variables).base_velocity[:, 0].min()
-    assert free < 0.95 * VELOCITY[0]
-    assert least_speed(hip, solve) == pytest.approx(SHARE * VELOCITY[0], abs=1e-6)
-    assert solve.cost > solved(*VELOCITY).cost
+    assert knee_trajectory(problem(), free.variables).base_velocity[:, 0].min() < 0.95 * vx
+    assert least_speed(hip, solve) == pytest.approx(share * vx, abs=1e-6)
+    assert solve.cost > free.cost
     assert dense_violations(hip.problem, solve.variables)["hip_rate"] < 5e-3
 
 
-def test_slow_gaits_have_no_bound():
-    hip = solver(1.0, 0.2)
+def test_slow_gaits_have_no_bound_of_the_hip():
+    hip = solve_with(formulated(0.2, phase="hip", hip_share=1.0))
     solve = hip.solve(0.2, 0.0)
     assert solve.success, solve.status
     assert not hip.problem.form.by_hip
@@ -70,7 +206,7 @@ def test_slow_gaits_have_no_bound():
 
 def test_functions_depend_on_the_formulation_but_not_on_how_great_the_bound_is():
     hip, robot = replace(config().gait, phase="hip"), config().robot
-    forms = [formulate(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
+    forms = [Formulation(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
     forms += [form(), form(turning=True), form("knee")]
     facts = [each.facts for each in forms]
     assert facts[0] == facts[1]

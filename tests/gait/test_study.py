@@ -1,17 +1,27 @@
-"""Comparisons of gaits on several meshes whose answers are known."""
+"""Gaits on several meshes, whose differences are known, and from random starts."""
+
+import json
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from slider.config.convert import from_dict
-from slider.config.gait import FormulationConfig
-from slider.gait.formulation import formulate
+from slider.config.gait import FormulationConfig, StartSpread
+from slider.config.types import Interval
+from slider.core.job import Job
+from slider.gait import REPORT
+from slider.gait.formulation import Formulation
+from slider.gait.guess import random_start
 from slider.gait.problem import build
-from slider.gait.solve import Nlp
+from slider.gait.solve import GIVEN, Nlp
 from slider.gait.stage import gait_arrays
-from slider.gait.study import MeshGait
+from slider.gait.study import MeshGait, run
 from tests.gait.gaits import config, problem, section, solved
+
+DURATION = (0.25, 0.42)
+SPREAD = StartSpread(0.5, Interval(0.3, 1.2), Interval(0.5, 1.5))
 
 
 def gait(nodes: int, offset: float = 0.0, roll: float = 0.0) -> MeshGait:
@@ -30,7 +40,7 @@ def test_the_torque_cost_of_a_linear_torque(nodes):
 def test_the_torque_cost_is_the_optimisation_s_own(tmp_path):
     """The cost ``torque`` of the nonlinear programme, at a solution for another cost."""
     given = section(0.4, 0.0)["formulation"] | {"cost": "torque"}
-    other = build(formulate(config().robot, from_dict(FormulationConfig, given)))
+    other = build(Formulation(config().robot, from_dict(FormulationConfig, given)))
     variables = solved(0.4, 0.0).variables
     for name, array in gait_arrays(problem(), solved(0.4, 0.0), "exact").items():
         np.save(tmp_path / f"{name}.npy", array)
@@ -46,3 +56,40 @@ def test_meshes_are_compared_at_common_phases(meshes):
     assert found["joints_difference"] == pytest.approx(0.03)
     assert found["roll_difference"] == pytest.approx(0.02)
     assert found["roll_end_difference"] == pytest.approx(0.01)
+
+
+def start(*seed: int, spread: StartSpread = SPREAD, vx: float = 1.2) -> np.ndarray:
+    return random_start(problem(), vx, DURATION, spread, np.random.default_rng(seed))
+
+
+def test_starts_are_within_the_bounds_of_the_variables():
+    lower, upper = problem().variable_bounds(DURATION)
+    for index in range(20):
+        found = start(1, index, spread=replace(SPREAD, joints=5.0))
+        assert ((lower <= found) & (found <= upper)).all()
+
+
+def test_starts_fill_their_spread():
+    """Of the ankle, which no bound of a variable touches, the second step's noise by itself."""
+    layout = problem().layout
+    walks = np.array([start(1, index, vx=0.0) for index in range(200)])
+    ankles = [walks[:, layout.joint_slice(step)].reshape(200, 10, -1)[:, 4] for step in range(2)]
+    noise = (ankles[0] - ankles[1]) / 2  # the walk in both steps is the same
+    assert 0.45 < np.abs(noise).max() <= 0.5
+    times = walks[:, layout.time_index(0)]
+    assert DURATION[0] <= times.min() < 0.26
+    assert 0.41 < times.max() <= DURATION[1]
+    np.testing.assert_array_equal(times, walks[:, layout.time_index(1)])
+
+
+def test_the_stage_solves_from_the_random_start_alone(tmp_path):
+    spread = {"joints": 0.05, "crouch": {"lower": 0.8, "upper": 1.0}}
+    given = {"seed": 1, "index": 3, "spread": spread | {"stride": {"lower": 0.9, "upper": 1.1}}}
+    job = Job(tmp_path)
+    summary = run(section(0.4, 0.0) | {"start": given}, {}, tmp_path, job)
+    report = json.loads((tmp_path / REPORT).read_text())
+    assert [attempt["name"] for attempt in report["attempts"]] == [GIVEN]
+    assert summary["converged"]
+    assert summary["cost"] == pytest.approx(solved(0.4, 0.0).cost, rel=1e-4)
+    assert job.volatile["solve_cpu"] > 0
+    assert [path.name for path in tmp_path.iterdir()] == [REPORT]

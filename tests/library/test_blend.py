@@ -67,12 +67,9 @@ def test_outside_it_is_the_gait_of_the_border(made_up):
     np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
 
 
-@pytest.mark.parametrize("velocity", [(np.nan, 0.0), (0.0, np.inf)])
-def test_a_velocity_that_is_no_number_is_refused(made_up, velocity: tuple[float, float]):
-    with pytest.raises(
-        ValueError, match=r"^expected a finite velocity, found \(.*(nan|inf).*\) m/s$"
-    ):
-        blend(made_up, *velocity)
+def test_a_velocity_that_is_no_number_is_refused(made_up):
+    with pytest.raises(ValueError, match=r"^expected a finite velocity, found \(nan, 0\) m/s$"):
+        blend(made_up, np.nan, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -80,35 +77,13 @@ def gaits(tmp_path_factory) -> GaitLibrary:
     return library(tmp_path_factory.mktemp("numbers"), [(0.0, 0.0), (1.0, 0.0)])
 
 
-def with_speed(gaits: GaitLibrary, speed: np.ndarray, times: list[float]) -> GaitLibrary:
-    """The same two gaits with forward velocities (2, 42) and step times."""
-    samples = gaits.arrays["samples"].copy()
-    samples[..., 24] = speed
-    step_time = np.tile(times, (2, 1))
-    return replace(gaits, arrays={**gaits.arrays, "samples": samples, "step_time": step_time})
-
-
-def test_a_longer_step_counts_more(gaits):
+def test_a_longer_step_counts_more_and_each_step_has_a_touchdown(gaits):
     """Speeds 1 and 2 for 0.3 s and 0.1 s: mean 1.25, variance 0.75 · 0.25² + 0.25 · 0.75²."""
-    speed = np.repeat([1.0, 2.0], HALF)
-    found = forward_variance(with_speed(gaits, np.tile(speed, (2, 1)), [0.3, 0.1]), 0.0)
-    assert found == pytest.approx(0.75 * 0.25**2 + 0.25 * 0.75**2)
-
-
-def test_there_is_one_touchdown_per_step(gaits):
-    """Steps of 0.3 s and 0.5 s: two touchdowns in 0.8 s."""
-    found = gait_numbers(with_speed(gaits, np.ones((2, 2 * HALF)), [0.3, 0.5]), 0.5)
+    samples = gaits.arrays["samples"].copy()
+    samples[..., 24] = np.repeat([1.0, 2.0], HALF)
+    changed = {"samples": samples, "step_time": np.tile([0.3, 0.1], (2, 1))}
+    found = gait_numbers(replace(gaits, arrays={**gaits.arrays, **changed}), 0.5)
     assert found is not None
-    assert found.touchdown_rate == pytest.approx(2 / 0.8)
-
-
-@pytest.mark.parametrize("vx", [-0.1, 1.1])
-def test_no_gait_no_number(gaits, vx):
-    assert gait_numbers(gaits, vx) is None
-    assert gait_numbers(gaits, 1.0) is not None
-
-
-def forward_variance(gaits: GaitLibrary, vx: float) -> float:
-    found = gait_numbers(gaits, vx)
-    assert found is not None
-    return found.velocity_variance
+    assert found.velocity_variance == pytest.approx(0.75 * 0.25**2 + 0.25 * 0.75**2)
+    assert found.touchdown_rate == pytest.approx(2 / 0.4)
+    assert [gait_numbers(gaits, vx) is None for vx in (-0.1, 1.0, 1.1)] == [True, False, True]

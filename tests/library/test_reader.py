@@ -8,7 +8,7 @@ import pytest
 import zarr
 
 from slider.core.errors import UserError
-from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, GaitLibrary
+from slider.library.reader import CONSTRAINT, GaitLibrary
 from tests.library.gaits import value, write_store
 
 GAITS, HOLES = [(0.0, 0.0), (0.5, 0.1)], [(0.5, 0.0)]
@@ -58,18 +58,6 @@ def test_arrays_are_read_when_asked_for_and_once(store, tmp_path: Path):
     np.testing.assert_array_equal(read[1], value("samples", 0.5, 0.1))
     with pytest.raises(KeyError):
         library.arrays["base"]
-
-
-def test_all_arrays_are_there_by_name(store):
-    library = GaitLibrary.load(store)
-    assert set(library.arrays) == {*ARRAYS, *COORDINATES, CONSTRAINT}
-    assert len(library.arrays) == len(set(library.arrays))
-    for name in (*ARRAYS, *COORDINATES):
-        assert len(library.arrays[name]) == len(library) == len(GAITS)
-    np.testing.assert_array_equal(library.base, library.arrays["base"])
-    np.testing.assert_array_equal(library.step_time[0], [0.42, 0.42])
-    np.testing.assert_array_equal(library.planar_velocities, GAITS)
-    np.testing.assert_array_equal(library.velocities, [(*v, 0.0) for v in GAITS])
 
 
 def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):

@@ -7,7 +7,7 @@ import pytest
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.solve import Nlp
 from slider.gait.transcription import NODE, STEP
-from tests.gait.gaits import problem, solver
+from tests.gait.gaits import config, problem, solver
 
 STEP_SIZE = 1e-6
 TURN = np.array([0.3, 0.2])  # yaw rate [rad/s] and phase of a node
@@ -18,7 +18,7 @@ both = pytest.mark.parametrize("turning", [False, True])
 def near_a_gait() -> np.ndarray:
     """A point with no symmetry, so that no derivative vanishes by accident."""
     rng = np.random.default_rng(3)
-    x = cold_start(problem().layout, 0.5, problem().config.degree, (0.25, 0.42), STARTS["cold"])
+    x = cold_start(problem().layout, 0.5, config().gait.degree, (0.25, 0.42), STARTS["cold"])
     return x + 0.05 * rng.normal(size=x.size)
 
 
@@ -52,13 +52,14 @@ def node_vector() -> np.ndarray:
 @both
 def test_node_jacobian_and_cost_gradient(turning):
     x, weight = node_vector(), 0.03
-    piece = problem(turning).node
-    rows, jacobian = piece.jacobian(x, TURN)
-    cost, value = piece.value(x, weight, TURN)
+    functions = problem(turning).functions
+    rows, jacobian = functions["node_jacobian"](x, TURN)
+    node = functions["node"]
+    cost, value = node(x, weight, TURN)
     np.testing.assert_allclose(flat(rows), flat(value), rtol=1e-12)
-    assert_close(dense(jacobian), differences(lambda y: flat(piece.value(y, weight, TURN)[1]), x))
-    gradient = flat(problem(turning).gradient(x, weight)[1])
-    expected = differences(lambda y: float(piece.value(y, weight, TURN)[0]), x)
+    assert_close(dense(jacobian), differences(lambda y: flat(node(y, weight, TURN)[1]), x))
+    gradient = flat(functions["cost"](x, weight)[1])
+    expected = differences(lambda y: float(node(y, weight, TURN)[0]), x)
     assert_close(gradient, expected)
     assert float(cost) > 0
 
@@ -67,14 +68,14 @@ def test_node_jacobian_and_cost_gradient(turning):
 def test_node_hessian(turning):
     rng = np.random.default_rng(0)
     x, weight, factor = node_vector(), 0.03, 0.7
-    piece, gradient = problem(turning).node, problem(turning).gradient
-    multipliers = rng.normal(size=piece.value.size1_out(1))
+    functions = problem(turning).functions
+    multipliers = rng.normal(size=functions["node"].size1_out(1))
 
     def lagrangian_gradient(y: np.ndarray) -> np.ndarray:
-        slope = factor * flat(gradient(y, weight)[1])
-        return slope + dense(piece.jacobian(y, TURN)[1]).T @ multipliers
+        slope = factor * flat(functions["cost"](y, weight)[1])
+        return slope + dense(functions["node_jacobian"](y, TURN)[1]).T @ multipliers
 
-    hessian = dense(piece.hessian(x, weight, TURN, factor, multipliers))
+    hessian = dense(functions["node_hessian"](x, weight, TURN, factor, multipliers))
     assert_close(hessian, differences(lagrangian_gradient, x))
 
 
@@ -82,23 +83,25 @@ def test_node_hessian(turning):
 def test_impact_and_step_ends(turning):
     rng = np.random.default_rng(1)
     y, velocity = flat(problem().layout.select_ends @ near_a_gait()), np.array([0.5, 0.05, 0.3])
-    piece = problem(turning).ends
+    functions = problem(turning).functions
+    value, slope = functions["ends"], functions["ends_jacobian"]
     assert y.shape == (2 * STEP,)
-    jacobian = dense(piece.jacobian(y, velocity)[1])
-    assert_close(jacobian, differences(lambda z: flat(piece.value(z, velocity)), y))
+    jacobian = dense(slope(y, velocity)[1])
+    assert_close(jacobian, differences(lambda z: flat(value(z, velocity)), y))
     multipliers = rng.normal(size=len(jacobian))
-    expected = differences(lambda z: dense(piece.jacobian(z, velocity)[1]).T @ multipliers, y)
-    assert_close(dense(piece.hessian(y, velocity, multipliers)), expected)
+    expected = differences(lambda z: dense(slope(z, velocity)[1]).T @ multipliers, y)
+    assert_close(dense(functions["ends_hessian"](y, velocity, multipliers)), expected)
 
 
 def test_collocation():
     rng = np.random.default_rng(2)
-    x, piece = near_a_gait(), problem().collocation
-    jacobian = dense(piece.jacobian(x)[1])
-    assert_close(jacobian, differences(lambda z: flat(piece.value(z)), x))
+    x, functions = near_a_gait(), problem().functions
+    value, slope = functions["collocation"], functions["collocation_jacobian"]
+    jacobian = dense(slope(x)[1])
+    assert_close(jacobian, differences(lambda z: flat(value(z)), x))
     multipliers = rng.normal(size=len(jacobian))
-    expected = differences(lambda z: dense(piece.jacobian(z)[1]).T @ multipliers, x)
-    assert_close(dense(piece.hessian(x, multipliers)), expected)
+    expected = differences(lambda z: dense(slope(z)[1]).T @ multipliers, x)
+    assert_close(dense(functions["collocation_hessian"](x, multipliers)), expected)
 
 
 @both

@@ -8,8 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from slider.gait.formulation import formulate
-from slider.gait.motion import NodeSymbols
+from slider.gait.formulation import Formulation, NodeSymbols
 from slider.gait.transcription import NODE
 from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot
@@ -35,7 +34,7 @@ def rooted(dynamics: str, *, even: bool = True) -> ca.Function:
     """Torques, efforts, ground force and moment of a node vector (34,)."""
     x = ca.SX.sym("x", NODE)
     settings = replace(config().gait, dynamics=dynamics)
-    s, tree = NodeSymbols.of(x), formulate(config().robot if even else uneven(), settings).tree
+    s, tree = NodeSymbols.of(x), Formulation(config().robot if even else uneven(), settings).tree
     dynamic = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
     wrench = tree.line_wrench(s.roll, dynamic)
     return ca.Function("rooted", [x], [dynamic.torques, dynamic.efforts, *wrench])
@@ -76,7 +75,7 @@ def test_rotors_and_friction_are_part_of_the_prismatic_legs_only():
         joints=config().robot.joints | {"hip_yaw": light[1]},
     )
     x[18], x[28] = 1.5, 7.0  # swing hip yaw: rate and acceleration
-    tree = formulate(bare, config().gait).tree
+    tree = Formulation(bare, config().gait).tree
     s = NodeSymbols.of(ca.DM(x))
     still = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
     added = np.array(rooted("prismatic")(x)[1]).ravel() - np.array(ca.DM(still.efforts)).ravel()
@@ -104,7 +103,7 @@ def floating(velocity: tuple[float, float], sample: int) -> FloatingState:
 @pytest.mark.parametrize("velocity", VELOCITIES)
 @pytest.mark.parametrize("step", [0, 1])
 def test_impact(velocity, step):
-    half = problem().nodes
+    half = problem().layout.nodes
     before = floating(velocity, (step + 1) * half - 1)
     after = floating(velocity, ((step + 1) * half) % (2 * half))
     side = SIDES[1 - step]
@@ -115,7 +114,7 @@ def test_impact(velocity, step):
 @pytest.mark.parametrize("velocity", VELOCITIES)
 @pytest.mark.parametrize("step", [0, 1])
 def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(velocity, step):
-    half = problem().nodes
+    half = problem().layout.nodes
     before = floating(velocity, (step + 1) * half - 1)
     after = floating(velocity, ((step + 1) * half) % (2 * half))
     robot().jacobian(before.q, SIDES[1 - step])
@@ -136,7 +135,7 @@ def momentum_about(state: FloatingState, point: np.ndarray) -> np.ndarray:
 def test_the_cost_is_equation_2():
     t, solve = trajectory(0.6, 0.1), solved(0.6, 0.1)
     times = [solve.variables[problem().layout.time_index(step)] for step in range(2)]
-    half = problem().nodes
+    half = problem().layout.nodes
     expected = sum(
         (t.torques[step * half : (step + 1) * half] ** 2).sum() / times[step] for step in range(2)
     )

@@ -117,7 +117,7 @@ def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_o
 
 
 def test_rows_are_those_of_the_reflected_command_with_the_steps_swapped():
-    ends = problem(turning=True).ends.value
+    ends = problem(turning=True).functions["ends"]
     y = flat(problem().layout.select_ends @ near_a_gait())
     swapped = np.roll(y, len(y) // 2)
     own, image = flat(ends(y, TURNING)), flat(ends(swapped, IMAGE))
@@ -149,17 +149,3 @@ def test_the_base_moves_on_without_a_jump_and_along_the_commanded_arc():
     speed = found["samples"][:, -2:].reshape(2, 21, 2)
     mean = np.trapezoid(speed, dx=1 / 20, axis=1).mean(axis=0)
     np.testing.assert_allclose(mean, (vx, vy), atol=0.01)  # the heading swings
-
-
-def test_the_inner_foot_goes_a_shorter_way_than_the_outer_one():
-    """On an arc of radius r the feet, w apart, differ by 2 ω w T in a walk."""
-    found = arrays((0.5, 0.0, 0.3))
-    turn = 0.3 * found["step_time"][0]
-    first, second = found["swing_foot"][20, :2], found["swing_foot"][41, :2]
-    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    left = first + axes @ second  # from the left foot's first place to its second
-    right = axes @ second + axes @ axes @ first
-    half = np.array([np.cos(turn / 2), np.sin(turn / 2)])
-    width = abs(half[0] * first[1] - half[1] * first[0])  # across the course at touchdown
-    outer, inner = np.linalg.norm(right), np.linalg.norm(left)
-    assert outer - inner == pytest.approx(2 * turn * width, rel=0.02)

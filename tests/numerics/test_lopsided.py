@@ -7,8 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.gait.formulation import formulate
-from slider.gait.motion import NodeSymbols
+from slider.gait.formulation import Formulation, NodeSymbols
 from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.transcription import NODE
 from slider.robot.knee_map import reflected
@@ -29,7 +28,7 @@ def plant() -> Plant:
 def inverse_dynamics() -> ca.Function:
     """Efforts, ground force and moment of a node vector (34,)."""
     x = ca.SX.sym("x", NODE)
-    s, tree = NodeSymbols.of(x), formulate(lopsided(), config().gait).tree
+    s, tree = NodeSymbols.of(x), Formulation(lopsided(), config().gait).tree
     dynamic = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
     return ca.Function("rooted", [x], [dynamic.efforts, *tree.line_wrench(s.roll, dynamic)])
 

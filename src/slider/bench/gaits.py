@@ -11,7 +11,7 @@ import numpy as np
 
 from slider.config.gait import FormulationConfig, GaitConfig
 from slider.config.robot import RobotConfig
-from slider.gait.formulation import formulate
+from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solve import GaitSolver, Solve
 
@@ -67,7 +67,7 @@ def measure(
     """Build a problem once and solve it cold for each velocity [m/s]."""
     start = time.process_time()
     settings = {field.name: getattr(gait, field.name) for field in fields(FormulationConfig)}
-    problem = build(formulate(robot, FormulationConfig(**settings)))
+    problem = build(Formulation(robot, FormulationConfig(**settings)))
     solver = GaitSolver(problem, gait.solver, gait.step_time)
     built = time.process_time() - start
     return Measurement(gait.nodes, built, [solver.solve(*velocity) for velocity in velocities])

@@ -10,9 +10,8 @@ from slider.artefacts.current import add_store_argument, current_folder, current
 from slider.artefacts.store import Store
 from slider.commands import make_folder
 from slider.core.errors import UserError, require
-from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path, read_library
-from slider.library.export import FORMATS
-from slider.library.overview import gait_lines, library_lines
+from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path
+from slider.library.export import FORMATS, gait_lines, library_lines
 from slider.library.reader import STORE, GaitLibrary
 
 
@@ -90,7 +89,7 @@ def gait(arguments: argparse.Namespace) -> None:
     require(is_file, "--out", "the name of a file", f"the folder {out}")
     drawn = not show or out is None or out.suffix in (".svg", ".png")
     require(drawn, "--out", "a name that ends in .svg or .png", out)
-    library = read_library(arguments)
+    library = GaitLibrary.load(library_path(arguments))
     gait = library.find(arguments.vx, arguments.vy, arguments.yaw_rate)
     if show:
         print("\n".join(gait_lines(library, gait)))

@@ -6,18 +6,8 @@ from math import comb
 import numpy as np
 
 
-def basis(degree: int, s: np.ndarray) -> np.ndarray:
-    """Bernstein polynomials (len(s), degree + 1)."""
-    return basis_orders(degree, s, 1)[0]
-
-
-def basis_derivative(degree: int, s: np.ndarray, order: int) -> np.ndarray:
-    """Derivatives with respect to s of the Bernstein polynomials (len(s), degree + 1)."""
-    return basis_orders(degree, s, order + 1)[order]
-
-
 def basis_orders(degree: int, s: np.ndarray, orders: int) -> list[np.ndarray]:
-    """``basis_derivative`` of the first ``orders`` orders, from 0."""
+    """Bernstein polynomials and their derivatives by s, each (len(s), degree + 1)."""
     s, exponents = np.asarray(s, dtype=float)[:, None], np.arange(degree + 1)
     ahead, behind = s**exponents, (1 - s) ** exponents
     matrices = []
@@ -29,6 +19,11 @@ def basis_orders(degree: int, s: np.ndarray, orders: int) -> list[np.ndarray]:
     return matrices
 
 
+def evaluate(coefficients: np.ndarray, s: np.ndarray, order: int = 0) -> np.ndarray:
+    """Polynomials or their derivatives (len(s), n) of coefficients (n, degree + 1)."""
+    return basis_orders(coefficients.shape[1] - 1, s, order + 1)[order] @ coefficients.T
+
+
 @cache
 def _binomial(degree: int) -> np.ndarray:
     return np.array([comb(degree, k) for k in range(degree + 1)], dtype=float)
@@ -38,8 +33,3 @@ def _binomial(degree: int) -> np.ndarray:
 def _difference(degree: int) -> np.ndarray:
     """Coefficients of the derivative from those of the polynomial (degree, degree + 1)."""
     return degree * (np.eye(degree, degree + 1, k=1) - np.eye(degree, degree + 1))
-
-
-def evaluate(coefficients: np.ndarray, s: np.ndarray, order: int = 0) -> np.ndarray:
-    """Polynomials or their derivatives (len(s), n) of coefficients (n, degree + 1)."""
-    return basis_derivative(coefficients.shape[1] - 1, s, order) @ coefficients.T

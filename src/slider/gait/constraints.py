@@ -1,4 +1,4 @@
-"""All constraints of a gait, in the order in which the solver has them.
+"""All constraints of a gait, in the order in which the solver has them, in SI units.
 
 To add one: a function of a node that ``bounded`` registers, and its line in ``gait.bounds``. Those
 that every gait has are the lists below. The collocation's own rows are in ``slider.gait.problem``.
@@ -11,15 +11,13 @@ import casadi as ca
 import numpy as np
 
 from slider.core.errors import UserError
-from slider.gait.formulation import Formulation
-from slider.gait.motion import (
+from slider.gait.formulation import (
+    Formulation,
     Node,
     StepEnd,
-    base_displacement,
     end_loads,
     impact,
     mirrored,
-    step_vector,
     turned_back,
 )
 from slider.gait.tree import SWING
@@ -29,7 +27,6 @@ ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, 
 _LENGTH = 0.1  # scale of small lengths [m]
 _RANGED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
 
-
 # One for all rows, or (n,), or for rows of a node a function of the phases (S,) that gives (S, n).
 Bound = float | np.ndarray | Callable[[np.ndarray], np.ndarray]
 Rows = ca.SX | list[ca.SX]
@@ -37,11 +34,10 @@ Rows = ca.SX | list[ca.SX]
 
 @dataclass(frozen=True)
 class Constraint:
-    """A named group of symbolic rows with bounds, in SI units.
+    """A named group of symbolic rows with bounds.
 
     Attributes:
         name: under which residuals are reported.
-        unit, source: of the rows; what asks for the bounds: physics, or keys of the configuration.
         expression: (n,).
         lower, upper: bounds.
         scale: what the solver divides by.
@@ -49,8 +45,6 @@ class Constraint:
     """
 
     name: str
-    unit: str
-    source: str
     expression: ca.SX
     lower: Bound
     upper: Bound
@@ -62,37 +56,15 @@ class Constraint:
         """Number of rows."""
         return self.expression.numel()
 
-    def bounds(self, phase: np.ndarray, at_nodes: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """Scaled bounds (S, n) at phases (S,), with the margin of nodes or without."""
+    def bounds(self, phase: np.ndarray, at_nodes: bool = True) -> list[np.ndarray]:
+        """Scaled lower and upper bounds (S, n) at phases (S,), with the nodes' margin or not."""
         lower = self.node_lower if at_nodes and self.node_lower is not None else self.lower
-        return self._scaled(lower, phase), self._scaled(self.upper, phase)
-
-    def _scaled(self, bound: Bound, phase: np.ndarray) -> np.ndarray:
-        values = bound(phase) if callable(bound) else bound
-        return np.broadcast_to(values, (len(phase), self.size)) / self.scale
-
-
-def equality(name: str, unit: str, source: str, rows: Rows, scale: float) -> Constraint:
-    """Rows that are zero."""
-    return between(name, unit, source, rows, 0.0, 0.0, scale)
-
-
-def at_least(
-    name: str, unit: str, source: str, rows: Rows, least: float, scale: float = 1.0
-) -> Constraint:
-    """Rows bounded below."""
-    return between(name, unit, source, rows, least, np.inf, scale)
-
-
-def within(name: str, unit: str, source: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
-    """Rows of no more than a magnitude."""
-    return between(name, unit, source, rows, -bound, bound)
+        sides = (side(phase) if callable(side) else side for side in (lower, self.upper))
+        return [np.broadcast_to(side, (len(phase), self.size)) / self.scale for side in sides]
 
 
 def between(
     name: str,
-    unit: str,
-    source: str,
     rows: Rows,
     lower: Bound,
     upper: Bound,
@@ -101,7 +73,22 @@ def between(
 ) -> Constraint:
     """Rows bounded on both sides."""
     expression = ca.vertcat(*rows) if isinstance(rows, list) else rows
-    return Constraint(name, unit, source, expression, lower, upper, scale, node_lower)
+    return Constraint(name, expression, lower, upper, scale, node_lower)
+
+
+def equality(name: str, rows: Rows, scale: float) -> Constraint:
+    """Rows that are zero."""
+    return between(name, rows, 0.0, 0.0, scale)
+
+
+def at_least(name: str, rows: Rows, least: float, scale: float = 1.0) -> Constraint:
+    """Rows bounded below."""
+    return between(name, rows, least, np.inf, scale)
+
+
+def within(name: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
+    """Rows bounded in magnitude."""
+    return between(name, rows, -bound, bound)
 
 
 def scaled_rows(constraints: Sequence[Constraint]) -> ca.SX:
@@ -117,226 +104,71 @@ def scaled_bounds(
     return np.concatenate(lower, axis=1), np.concatenate(upper, axis=1)
 
 
-def of_node(node: Node) -> list[Constraint]:
-    """Constraints at every node of both steps."""
-    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node), *_bounded(node)]
-
-
 NodeRows = Callable[[Node], ca.SX]
-_BOUNDED: dict[str, tuple[str, NodeRows]] = {}
+_BOUNDED: dict[str, NodeRows] = {}
 
 
-def bounded(unit: str) -> Callable[[NodeRows], NodeRows]:
+def bounded(rows: NodeRows) -> NodeRows:
     """Register rows of a node; ``gait.bounds`` bounds them under the function's name."""
-
-    def register(rows: NodeRows) -> NodeRows:
-        _BOUNDED[rows.__name__] = unit, rows
-        return rows
-
-    return register
+    _BOUNDED[rows.__name__] = rows
+    return rows
 
 
-@bounded("m")
+@bounded
 def base_height(node: Node) -> ca.SX:
-    """Height of the base's origin above the stance foot's line."""
+    """Height of the base's origin above the stance foot's line [m]."""
     return node.base.origin[2]
 
 
-def _bounded(node: Node) -> list[Constraint]:
-    """Rows of ``gait.bounds``.
+def of_node(node: Node) -> list[Constraint]:
+    """Constraints at every node of both steps.
 
     Raises:
-        UserError: a name that no function has.
+        UserError: ``gait.bounds`` has a name that no function has.
     """
-    constraints = []
+    constraints = [*_loads(node), *_legs(node), *_torso(node)]
+    if node.form.config.phase == "hip":
+        # A hip that is the phase passes each place once; slow gaits have the row without a bound.
+        constraints.append(at_least("hip_rate", node.base.linear[0], node.form.hip_rate))
     for name, bound in node.form.config.bounds.items():
         if name not in _BOUNDED:
             raise UserError(f"gait.bounds: expected one of {', '.join(_BOUNDED)}, found {name}")
-        unit, rows = _BOUNDED[name]
-        limits = bound.lower, bound.upper
-        constraints.append(between(name, unit, "gait.bounds", rows(node), *limits))
+        constraints.append(between(name, _BOUNDED[name](node), bound.lower, bound.upper))
     return constraints
 
 
 def _loads(node: Node) -> list[Constraint]:
-    """Ground reaction of the stance foot, motors and joints."""
-    form = node.form
-    weight, voltage = form.weight, form.config.voltage
+    """Ground reaction of the stance foot [N, N m], motors [-] and joint positions [rad, m]."""
+    form, weight = node.form, node.form.weight
     vertical, cone = end_loads(form, node.force, node.moment)
+    least = form.config.contact.min_vertical * weight
+    legs = ca.vertsplit(form.tree.map.positions(node.symbols.q), len(LEG_MOTORS))
+    ranges = [form.robot.joints[name] for name in _RANGED] * len(SIDES)
+    lower, upper = (np.array([getattr(r, side) for r in ranges]) for side in ("lower", "upper"))
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
-        equality("foot_line_moment", "N m", "line contact", node.moment[0], 10.0),
-        at_least(
-            "vertical_force",
-            "N",
-            "unilateral contact, gait.contact.min_vertical",
-            vertical,
-            form.config.contact.min_vertical * weight,
-            weight,
-        ),
-        at_least("friction", "N", "Coulomb, gait.contact.friction", cone, 0.0, weight),
-        within("motor_torque", "-", "robot.drives", node.torque_shares, 1.0),
-        within("motor_voltage", "-", "gait.voltage", node.voltage_shares, voltage),
-        between("position", "rad, m", "robot.joints", _positions(node), *_ranges(form)),
+        equality("foot_line_moment", node.moment[0], 10.0),
+        at_least("vertical_force", vertical, least, weight),
+        at_least("friction", cone, 0.0, weight),
+        within("motor_torque", node.torque_shares, 1.0),
+        within("motor_voltage", node.voltage_shares, form.config.voltage),
+        between("position", [leg[2:] for leg in legs], lower, upper),
     ]
 
 
 def _legs(node: Node) -> list[Constraint]:
-    """Swing foot above the ground, and legs that stay apart."""
+    """Swing foot above the ground, and legs that stay apart [m]."""
     posture = node.form.config.posture
     toe, heel = node.foot_ends(SWING)
+    lateral = -((node.along_course(toe)[1] + node.along_course(heel)[1]) / 2)
+    low = _arc(posture.clearance, posture.clearance_from)
+    at_nodes = _arc(posture.clearance + posture.clearance_margin, posture.clearance_from)
+    nearest, farthest = posture.foot_separation_min, posture.foot_separation_max
     return [
-        between(
-            "clearance",
-            "m",
-            "gait.posture.clearance, gait.posture.clearance_from, gait.posture.swing_height",
-            [toe[2], heel[2]],
-            _arc(posture.clearance, posture.clearance_from),
-            posture.swing_height,
-            _LENGTH,
-            _arc(posture.clearance + posture.clearance_margin, posture.clearance_from),
-        ),
-        between(
-            "foot_separation",
-            "m",
-            "gait.posture.foot_separation_min, gait.posture.foot_separation_max",
-            -((node.along_course(toe)[1] + node.along_course(heel)[1]) / 2),
-            posture.foot_separation_min,
-            posture.foot_separation_max,
-        ),
-        at_least(
-            "legs_apart", "m", "gait.posture.legs_apart", node.leg_distances(), posture.legs_apart
-        ),
+        between("clearance", [toe[2], heel[2]], low, posture.swing_height, _LENGTH, at_nodes),
+        between("foot_separation", lateral, nearest, farthest),
+        at_least("legs_apart", node.leg_distances(), posture.legs_apart),
     ]
-
-
-def _torso(node: Node) -> list[Constraint]:
-    """Sines of roll, pitch and yaw from the course; without bounds of the rates the torso rocks."""
-    posture, base, r = node.form.config.posture, node.base, node.base.rotation
-    rate = base.angular - r.T @ ca.vertcat(0, 0, node.yaw_rate)
-    torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
-    return [
-        within(
-            "torso",
-            "rad",
-            "gait.posture.torso_roll, gait.posture.torso_pitch, gait.posture.torso_yaw",
-            [r[2, 1], -r[2, 0], node.along_course(r[:, 0])[1]],
-            torso,
-        ),
-        within("torso_rate", "rad/s", "gait.posture.torso_rate", rate, posture.torso_rate),
-    ]
-
-
-def _phase(node: Node) -> list[Constraint]:
-    """A hip that is the phase passes each place once; slow gaits have the row without a bound."""
-    if node.form.config.phase == "time":
-        return []
-    source = "gait.phase, gait.hip_share, gait.slowest_hip"
-    return [at_least("hip_rate", "m/s", source, node.base.linear[0], node.form.hip_rate)]
-
-
-def of_touchdown(
-    form: Formulation, before: StepEnd, after: StepEnd, turn: ca.SX
-) -> list[Constraint]:
-    """Impact, continuity and foot placement from one step's end to the next one's start.
-
-    The foot lands yawed by ``turn`` [rad] from the old one, in the first step's coordinates.
-    Torques cannot be impulsive, and the line carries no impulsive moment about itself.
-    """
-    tree, limit = form.tree, form.config.touchdown
-    foot = tree.poses(before.roll, before.roll_rate, before.q, before.v)["swing_foot"]
-    lifting = tree.poses(after.roll, after.roll_rate, after.q, after.v)["swing_foot"]
-    jump = impact(form, foot, before, after, turn)
-    force, moment = tree.line_wrench(after.roll, jump)
-    vertical, cone = end_loads(form, force, moment)
-    place, velocity = tree.point(foot, tree.sole)
-    velocity, axes = turned_back(velocity, turn), turned_back(foot.rotation, turn)
-    level = [axes[2, 0], axes[1, 0], ca.sin(after.roll) + axes[2, 1]]
-    slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
-    return [
-        equality("impact", "N m s", "no impulsive torque", [jump.torques, moment[0]], 1.0),
-        equality("foot_flat", "m, rad", "foot placement", [place[2], *level], _LENGTH),
-        equality("continuity", "rad", "impact keeps positions", after.q - mirrored(before.q), 1.0),
-        # The conditions of contact on impulses, which are of the order of 1 N s.
-        at_least("impact_vertical_force", "N s", "unilateral contact", vertical, 0.0),
-        at_least("impact_friction", "N s", "Coulomb, gait.contact.friction", cone, 0.0),
-        between(
-            "touchdown_speed",
-            "m/s",
-            "gait.touchdown.down_min, gait.touchdown.down_max",
-            [-tree.point(foot, end)[1][2] for end in form.foot_ends],
-            limit.down_min,
-            limit.down_max,
-        ),
-        at_least(
-            "lift_off",
-            "m/s",
-            "old stance foot leaves",
-            [tree.point(lifting, end)[1][2] for end in form.foot_ends],
-            0.0,
-        ),
-        within(
-            "touchdown_velocity",
-            "m/s, rad/s",
-            "gait.touchdown.forward, gait.touchdown.lateral, gait.touchdown.angular",
-            [velocity[0], velocity[1], foot.angular],
-            slow,
-        ),
-    ]
-
-
-def of_walk(
-    form: Formulation,
-    starts: list[StepEnd],
-    ends: list[StepEnd],
-    times: list[ca.SX],
-    velocity: ca.SX,
-) -> list[Constraint]:
-    """Both touchdowns, mean velocity, equal step times [s] and forward step lengths [m].
-
-    ``velocity`` (3,): vx, vy [m/s], yaw rate [rad/s]. Without equal lengths the cheapest slow walk
-    keeps one foot 0.4 m ahead of the other. Steps of a turning walk are equal along the course at
-    touchdown; the strides of the inner and the outer foot then differ.
-    """
-    turns = [sign * velocity[2] * time for sign, time in zip((1, -1), times, strict=True)]
-    if not form.turning:
-        turns = [ca.SX(0), ca.SX(0)]
-    steps = [step_vector(form, end, turn / 2) for end, turn in zip(ends, turns, strict=True)]
-    travel, walk = steps, times[0] + times[1]
-    if form.turning:  # feet and base go along arcs of their own
-        pairs = zip(starts, ends, strict=True)
-        travel = [base_displacement(form, start, end) for start, end in pairs]
-    mean = [
-        travel[0][0] + travel[1][0] - velocity[0] * walk,
-        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
-    ]
-    return [
-        *of_touchdown(form, ends[0], starts[1], turns[0]),
-        *of_touchdown(form, ends[1], starts[0], turns[1]),
-        equality("mean_velocity", "m", "commanded velocity", mean, 0.1),
-        equality("equal_step_times", "s", "symmetry", times[0] - times[1], 1.0),
-        equality("equal_step_lengths", "m", "symmetry", steps[0][0] - steps[1][0], 0.1),
-    ]
-
-
-def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle."""
-    joints, posture = form.robot.joints, form.config.posture
-    yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
-    lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], len(SIDES))
-    upper = np.tile([yaw.upper, roll.upper, free, posture.knee_max, free], len(SIDES))
-    return lower, upper
-
-
-def _positions(node: Node) -> list[ca.SX]:
-    """Hip pitch, slide and ankle of both legs, after eq. 1."""
-    legs = ca.vertsplit(node.form.tree.map.positions(node.symbols.q), len(LEG_MOTORS))
-    return [leg[2:] for leg in legs]
-
-
-def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    ranges = [form.robot.joints[name] for name in _RANGED] * len(SIDES)
-    return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
 
 
 def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -353,3 +185,93 @@ def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
         return np.repeat(np.where(away > 0, arc, -np.inf)[:, None], 2, axis=1)
 
     return bound
+
+
+def _torso(node: Node) -> list[Constraint]:
+    """Sines of roll, pitch and yaw from the course; without bounds of the rates the torso rocks."""
+    posture, base, r = node.form.config.posture, node.base, node.base.rotation
+    rate = base.angular - r.T @ ca.vertcat(0, 0, node.yaw_rate)
+    torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
+    return [
+        within("torso", [r[2, 1], -r[2, 0], node.along_course(r[:, 0])[1]], torso),
+        within("torso_rate", rate, posture.torso_rate),
+    ]
+
+
+def of_touchdown(
+    form: Formulation, before: StepEnd, after: StepEnd, turn: ca.SX
+) -> list[Constraint]:
+    """Impact, continuity and foot placement from one step's end to the next one's start.
+
+    The foot lands yawed by ``turn`` [rad] from the old one, in the first step's coordinates.
+    Torques cannot be impulsive, and the line carries no impulsive moment about itself.
+    """
+    tree, limit = form.tree, form.config.touchdown
+    foot, lifting = tree.poses(*before)["swing_foot"], tree.poses(*after)["swing_foot"]
+    jump = impact(form, foot, before, after, turn)
+    force, moment = tree.line_wrench(after.roll, jump)
+    vertical, cone = end_loads(form, force, moment)
+    place, velocity = tree.point(foot, tree.sole)
+    velocity, axes = turned_back(velocity, turn), turned_back(foot.rotation, turn)
+    level = [axes[2, 0], axes[1, 0], ca.sin(after.roll) + axes[2, 1]]
+    down = [-tree.point(foot, end)[1][2] for end in form.foot_ends]
+    up = [tree.point(lifting, end)[1][2] for end in form.foot_ends]
+    slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
+    return [
+        equality("impact", [jump.torques, moment[0]], 1.0),
+        equality("foot_flat", [place[2], *level], _LENGTH),
+        equality("continuity", after.q - mirrored(before.q), 1.0),
+        # The conditions of contact on impulses, which are of the order of 1 N s.
+        at_least("impact_vertical_force", vertical, 0.0),
+        at_least("impact_friction", cone, 0.0),
+        between("touchdown_speed", down, limit.down_min, limit.down_max),
+        at_least("lift_off", up, 0.0),
+        within("touchdown_velocity", [velocity[0], velocity[1], foot.angular], slow),
+    ]
+
+
+def of_walk(
+    form: Formulation,
+    starts: list[StepEnd],
+    ends: list[StepEnd],
+    times: list[ca.SX],
+    velocity: ca.SX,
+) -> list[Constraint]:
+    """Both touchdowns, mean velocity, equal step times [s] and forward step lengths [m].
+
+    ``velocity`` (3,): vx, vy [m/s], yaw rate [rad/s]. Without equal lengths the cheapest slow walk
+    keeps one foot 0.4 m ahead of the other. Steps of a turning walk are equal along the course at
+    touchdown; the strides of the inner and the outer foot then differ.
+    """
+    turns, steps, poses = [ca.SX(0), ca.SX(0)], [], form.tree.poses
+    if form.turning:
+        turns = [sign * velocity[2] * time for sign, time in zip((1, -1), times, strict=True)]
+    for end, turn in zip(ends, turns, strict=True):  # along the course at touchdown
+        foot = form.tree.point(poses(*end)["swing_foot"], form.tree.sole)[0]
+        steps.append(turned_back(foot, turn / 2)[:2])
+    travel = steps
+    if form.turning:  # feet and base go along arcs of their own
+        pairs = zip(starts, ends, strict=True)
+        bases = [[poses(*side)["base"].origin for side in pair] for pair in pairs]
+        travel = [(last - first)[:2] for first, last in bases]
+    walk = times[0] + times[1]
+    mean = [
+        travel[0][0] + travel[1][0] - velocity[0] * walk,
+        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
+    ]
+    return [
+        *of_touchdown(form, ends[0], starts[1], turns[0]),
+        *of_touchdown(form, ends[1], starts[0], turns[1]),
+        equality("mean_velocity", mean, 0.1),
+        equality("equal_step_times", times[0] - times[1], 1.0),
+        equality("equal_step_lengths", steps[0][0] - steps[1][0], 0.1),
+    ]
+
+
+def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle."""
+    joints, posture = form.robot.joints, form.config.posture
+    yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
+    lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], len(SIDES))
+    upper = np.tile([yaw.upper, roll.upper, free, posture.knee_max, free], len(SIDES))
+    return lower, upper

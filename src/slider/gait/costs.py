@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.motion import Node
+from slider.gait.formulation import Node
 
 _SMALL_POWER = 1.0  # rounds the corner of |power| at zero [W]
 
@@ -15,8 +15,7 @@ class Cost:
     """A cost by its name in ``gait.cost``.
 
     Attributes:
-        node: a node's part of the sum, from the node and its Simpson weight; the weights of a step
-            sum to one.
+        node: term of a node, from the node and its Simpson weight (a step's weights sum to one).
         unit: of the sum.
         scale: factor that brings the sum near one for the solver.
     """
@@ -38,9 +37,8 @@ def _torque(node: Node, weight: ca.SX) -> ca.SX:
 
 def _transport(node: Node, weight: ca.SX) -> ca.SX:
     """Mean absolute mechanical power of the motors over m g: the cost of transport times speed."""
-    absolute = (
-        ca.sqrt((node.motor_torques * node.motor_speeds) ** 2 + _SMALL_POWER**2) - _SMALL_POWER
-    )
+    power = node.motor_torques * node.motor_speeds
+    absolute = ca.sqrt(power**2 + _SMALL_POWER**2) - _SMALL_POWER
     return weight / 2 * ca.sum1(absolute) / node.form.weight
 
 

@@ -102,7 +102,7 @@ class StanceTree:
             linear: acceleration of the foot's origin minus gravity.
             q, v, a: joint positions, velocities, accelerations (10,).
         """
-        foot = (angular, turning, linear)
+        foot = angular, turning, linear
         torques, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
@@ -129,7 +129,7 @@ class SlideTree(StanceTree):
         self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
     ) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
-        foot = (angular, turning, linear)
+        foot = angular, turning, linear
         efforts, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         efforts += self._inertia @ a + self._damping * v
         return InverseDynamics(efforts, efforts, force, moment)
@@ -154,19 +154,15 @@ class PrismaticTree(StanceTree):
 
 def _both_legs(bodies: Mapping[str, Body]) -> dict[str, Body]:
     """Bodies by their names in the tree: the stance leg is the left one."""
-    legs = {name: body for name, body in bodies.items() if name != "base"}
-    left = {f"{STANCE}_{name}": body for name, body in legs.items()}
-    right = {f"{SWING}_{name}": body.reflected for name, body in legs.items()}
-    return {"base": bodies["base"], **left, **right}
+    tree = {"base": bodies["base"]}
+    for name, body in bodies.items():
+        if name != "base":
+            tree |= {f"{STANCE}_{name}": body, f"{SWING}_{name}": body.reflected}
+    return tree
 
 
 def _pass(
-    edges: list[Edge],
-    bodies: Mapping[str, Body],
-    foot: Motion,
-    q: ca.SX,
-    v: ca.SX,
-    a: ca.SX,
+    edges: list[Edge], bodies: Mapping[str, Body], foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Joint efforts (10,), force and moment on the stance foot of a motion."""
     motion = {f"{STANCE}_foot": foot}
@@ -187,16 +183,15 @@ def _pass(
 
 
 def _next_motion(motion: Motion, edge: Edge, q: ca.SX, v: ca.SX, a: ca.SX) -> tuple[ca.SX, Motion]:
+    """Rotation and motion of an edge's child, from its parent's motion."""
     angular, turning, linear = motion
     if edge.slides:
-        place = edge.place(q)
-        along = edge.unit * edge.sign
+        place, along = edge.place(q), edge.unit * edge.sign
         moved = ca.cross(turning, place) + ca.cross(angular, ca.cross(angular, place))
         moved += 2 * ca.cross(angular, along * v[edge.joint]) + along * a[edge.joint]
         return ca.SX.eye(3), (angular, turning, linear + moved)
     turn = rotation(edge.axis, edge.sign * q[edge.joint])
-    rate = edge.unit * (edge.sign * v[edge.joint])
-    carried = turn.T @ angular
+    rate, carried = edge.unit * (edge.sign * v[edge.joint]), turn.T @ angular
     new_angular = carried + rate
     new_turning = turn.T @ turning + edge.unit * (edge.sign * a[edge.joint])
     new_turning += ca.cross(carried, rate)

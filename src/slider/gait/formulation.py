@@ -1,4 +1,4 @@
-"""What a gait is, the same for all commanded velocities: a robot, its dynamics and settings.
+"""What a gait is for all velocities, and the expressions of its constraints and costs.
 
 Two steps make a walk. The second is written in reflected coordinates, so that the stance foot is
 always the left one and the same functions serve both. A turning walk's course has the commanded
@@ -8,33 +8,39 @@ and the next foot lands yawed by ω T. In the reflected step ω has the other si
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.config.robot import Mechanism, leg_scale
-from slider.gait.dynamics import PrismaticTree, StanceTree
+from slider.gait.dynamics import InverseDynamics, PrismaticTree, StanceTree
+from slider.gait.tree import LEG_JOINTS, NUM_JOINTS, STANCE, SWING, BodyPose, rotation
 from slider.robot.bodies import knee_bodies, total_mass
-from slider.robot.names import GRAVITY
+from slider.robot.names import ACTUATED, GRAVITY, LEG_MIRROR_SIGN
+from slider.robot.transmission import Transmission
 
 
 @dataclass(frozen=True)
 class Formulation:
-    """What ``slider.gait.constraints`` are about.
+    """A robot with its dynamics, limits and settings.
 
     Attributes:
-        tree: kinematics and dynamics of the robot on its left foot.
-        config, robot: settings, and the limits of the robot.
+        robot, config: bodies and limits; settings.
         turning: whether the velocities have a yaw rate; else it is zero in all expressions.
         hip_rate: least forward velocity of the hip [m/s], where it is the phase.
     """
 
-    tree: StanceTree
-    config: FormulationConfig
     robot: Mechanism
+    config: FormulationConfig
     turning: bool = False
     hip_rate: float = -np.inf
+
+    @cached_property
+    def tree(self) -> StanceTree:
+        """Kinematics and dynamics on the left foot: of the prismatic leg or the virtual knee."""
+        return (StanceTree if self.config.dynamics == "knee" else PrismaticTree)(self.robot)
 
     @property
     def by_hip(self) -> bool:
@@ -68,9 +74,162 @@ def least_hip_rate(config: FormulationConfig, vx: float) -> float:
     return config.hip_share * vx if vx >= config.slowest_hip else -np.inf
 
 
-def formulate(
-    robot: Mechanism, config: FormulationConfig, turning: bool = False, hip_rate: float = -np.inf
-) -> Formulation:
-    """The formulation with the configured dynamics: the prismatic leg's or the virtual knee's."""
-    tree = StanceTree(robot) if config.dynamics == "knee" else PrismaticTree(robot)
-    return Formulation(tree, config, robot, turning, hip_rate)
+@dataclass(frozen=True)
+class NodeSymbols:
+    """Variables of one node: roll of the stance foot, joints over normalised time, step time."""
+
+    roll: ca.SX
+    roll_rate: ca.SX
+    roll_acceleration: ca.SX
+    q: ca.SX
+    q_phase: ca.SX
+    q_phase2: ca.SX
+    step_time: ca.SX
+
+    SIZE = 3 + 3 * NUM_JOINTS + 1
+
+    @classmethod
+    def of(cls, x: ca.SX) -> "NodeSymbols":
+        """Split a node vector (34,)."""
+        q, q_phase, q_phase2 = ca.vertsplit(x[3:-1], NUM_JOINTS)
+        return cls(x[0], x[1], x[2], q, q_phase, q_phase2, x[-1])
+
+    @property
+    def v(self) -> ca.SX:
+        """Joint velocities (10,) [rad/s]."""
+        return self.q_phase / self.step_time
+
+    @property
+    def a(self) -> ca.SX:
+        """Joint accelerations (10,) [rad/s²]."""
+        return self.q_phase2 / self.step_time**2
+
+
+class StepEnd(NamedTuple):
+    """State at the start or the end of a step."""
+
+    roll: ca.SX
+    roll_rate: ca.SX
+    q: ca.SX
+    v: ca.SX
+
+
+class Node:
+    """Expressions at a node of a step, of its vector (34,).
+
+    Attributes:
+        form: the formulation of the gait.
+        symbols: variables of the node.
+        dynamics: joint torques and efforts.
+        force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
+        poses: of all bodies; ``base`` is the torso's.
+        motor_torques, motor_speeds: both legs', stance first, in the order of ``LEG_MOTORS`` (10,)
+            [N m], [rad/s]. The slide's force is work over |dl/dθ|, which vanishes for a straight
+            leg: the knee's lower bound keeps away from it.
+        torque_shares: motor torques / limits (10,) [-].
+        voltage_shares: torque / stall torque + speed / no-load speed (10,): shares of the bus
+            voltage [-].
+        yaw_rate, course: of the walk [rad/s]; its angle from the stance foot's line [rad].
+    """
+
+    def __init__(self, form: Formulation, x: ca.SX, turn: ca.SX) -> None:
+        """``turn`` (2,): the course's yaw rate [rad/s] and the node's phase, from −½ to ½."""
+        s, tree, motors = NodeSymbols.of(x), form.tree, Transmission.of(form.robot)
+        self.form, self.symbols = form, s
+        self.dynamics = tree.inverse_dynamics(
+            s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a
+        )
+        self.force, self.moment = tree.line_wrench(s.roll, self.dynamics)
+        self.poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
+        self.base = self.poses["base"]
+        driven = list(ACTUATED)
+        self.motor_torques = ca.DM(motors.inverse[:, driven]) @ self.dynamics.efforts
+        self.motor_speeds = ca.DM(motors.matrix[:, driven]) @ tree.map.velocities(s.q, s.v)
+        self.torque_shares = self.motor_torques / ca.DM(motors.torque)
+        stall, free = ca.DM(motors.stall), ca.DM(motors.speed)
+        self.voltage_shares = self.motor_torques / stall + self.motor_speeds / free
+        self.yaw_rate = turn[0] if form.turning else ca.SX(0)
+        self.course = self.yaw_rate * turn[1] * s.step_time
+
+    def along_course(self, vector: ca.SX) -> ca.SX:
+        """A world vector (3,) forward, leftward and upward of the course."""
+        return turned_back(vector, self.course)
+
+    def foot_ends(self, leg: str) -> list[ca.SX]:
+        """Toe and heel of ``STANCE`` or ``SWING`` (3,) [m]."""
+        foot = self.poses[f"{leg}_foot"]
+        return [self.form.tree.point(foot, end)[0] for end in self.form.foot_ends]
+
+    def leg_distances(self) -> list[ca.SX]:
+        """Lateral, in the base's axes, of foot ends from foot ends and of tube top from tube top.
+
+        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart.
+        """
+        feet = [self.foot_ends(leg) for leg in (STANCE, SWING)]
+        tops, geometry = [], self.form.robot.geometry
+        for leg in (STANCE, SWING):  # the upper foot's axis is beyond the hip, seen from the ankle
+            hip, ankle = self.poses[f"{leg}_thigh"].origin, self.poses[f"{leg}_foot"].origin
+            way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
+            tops.append(ankle + way * (hip - ankle))
+        pairs = [*((left, right) for left in feet[0] for right in feet[1]), tops]
+        lateral = self.base.rotation[:, 1]
+        return [ca.dot(lateral, left - right) for left, right in pairs]
+
+    def stored(self) -> list[ca.SX]:
+        """Expressions that a gait stores of a node.
+
+        Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
+        (10 each), base rotation (9, columns first), origin, velocity (world) and angular velocity
+        (base), ground force and moment, swing foot.
+        """
+        s, base, dynamics = self.symbols, self.base, self.dynamics
+        swing = self.form.tree.point(self.poses["swing_foot"], self.form.tree.sole)[0]
+        motion = [ca.vec(base.rotation), base.origin, base.linear, base.angular]
+        joints = [s.q, s.v, dynamics.torques, dynamics.efforts]
+        return [*joints, *motion, self.force, self.moment, swing]
+
+
+def turned_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
+    """Vectors (3, n) in axes that are yawed by ``angle`` [rad]; unchanged for a 0."""
+    return rotation(2, angle).T @ vectors
+
+
+def mirrored(q: ca.SX) -> ca.SX:
+    """Joint vector (10,) in the next step's coordinates: legs swapped and reflected."""
+    sign = ca.DM(LEG_MIRROR_SIGN[:LEG_JOINTS])
+    return ca.SX(ca.vertcat(sign * q[LEG_JOINTS:], sign * q[:LEG_JOINTS]))
+
+
+def impact(
+    form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd, turn: ca.SX
+) -> InverseDynamics:
+    """Impulsive torques and impulses on the foot that lands, yawed by ``turn`` [rad].
+
+    A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``foot`` is its pose in
+    the old step's coordinates; those of ``after`` are reflected.
+    """
+    reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
+    reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
+    new = form.tree.foot_pose(after.roll, after.roll_rate)
+    angular = new.angular - reflect_axial @ foot.angular
+    linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
+    zero, rest = ca.SX.zeros(3), ca.SX.zeros(NUM_JOINTS)
+    return form.tree.newton_euler(
+        zero, angular, linear, after.q, rest, after.v - mirrored(before.v)
+    )
+
+
+def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Vertical forces at toe and heel (2,), and slack of the friction cone (6,) [N].
+
+    Works on forces [N] and on impulses [N s]. The cone is an inner pyramid, μ/√2 per axis.
+    """
+    mu = form.config.contact.friction / np.sqrt(2.0)
+    toe, heel = form.robot.geometry.toe, -form.robot.geometry.heel
+    toe_z = (-moment[1] - heel * force[2]) / (toe - heel)
+    heel_z = force[2] - toe_z
+    toe_y = (moment[2] - heel * force[1]) / (toe - heel)
+    heel_y = force[1] - toe_y
+    pairs = (toe_z, toe_y), (heel_z, heel_y), (force[2], force[0])
+    cone = [mu * normal + sign * tangent for normal, tangent in pairs for sign in (-1, 1)]
+    return ca.vertcat(toe_z, heel_z), ca.vertcat(*cone)

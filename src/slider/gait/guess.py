@@ -1,9 +1,11 @@
-"""Where the optimisation starts: a crouched walk in place or forward."""
+"""Where the optimisation starts: a crouched walk in place or forward, or a random one about it."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from slider.config.gait import StartSpread
+from slider.gait.problem import GaitProblem
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
@@ -11,14 +13,8 @@ LEG = 0.65  # hip-ankle distance that turns SLIDER's speed into leg angle [m]
 BUMP = 0.6  # extra flexion of the swing knee [rad]
 
 
-@dataclass(frozen=True)
-class Start:
-    """A gait to start from.
-
-    Attributes:
-        crouch: knee flexion [rad].
-        stride: longest step; at higher speeds the steps are quicker [m].
-    """
+class Start(NamedTuple):
+    """Knee flexion [rad], and the longest step [m]; at higher speeds the steps are quicker."""
 
     crouch: float
     stride: float
@@ -55,12 +51,30 @@ def crouched_walk(swing: float, count: int, crouch: float) -> np.ndarray:
     s = np.linspace(0.0, 1.0, count)
     joints = np.zeros((NUM_JOINTS, count))
     stance = swing * (1 - 2 * s)
-    bump = BUMP * np.sin(np.pi * s)
-    for leg, forward, flexion in (
-        (0, stance, crouch + 0 * s),
-        (LEG_JOINTS, -stance, crouch + bump),
-    ):
+    bent = crouch + BUMP * np.sin(np.pi * s)
+    for leg, forward, flexion in ((0, stance, crouch + 0 * s), (LEG_JOINTS, -stance, bent)):
         joints[leg + 2] = flexion / 2 - forward
         joints[leg + 3] = flexion
         joints[leg + 4] = flexion / 2 + forward
     return joints
+
+
+def random_start(
+    problem: GaitProblem,
+    vx: float,
+    duration: tuple[float, float],
+    spread: StartSpread,
+    generator: np.random.Generator,
+) -> np.ndarray:
+    """Variables (size,) about a crouched walk at forward speed vx [m/s], within their bounds.
+
+    ``duration``: bounds of the step time [s]. The two steps differ.
+    """
+    step_time = generator.uniform(*duration)
+    crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
+    stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
+    leg = LEG * problem.form.leg_scale
+    walk = crouched_walk(stride / 2 / leg, problem.form.config.degree + 1, crouch)
+    noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
+    start = variables_of(problem.layout, walk + noise, step_time)
+    return np.clip(start, *problem.variable_bounds(duration))

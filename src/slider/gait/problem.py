@@ -11,7 +11,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slider.config.gait import FormulationConfig
 from slider.core.casadi_code import Functions, Source, interpreted
 from slider.gait.constraints import (
     ROLL_BOUNDS,
@@ -23,22 +22,12 @@ from slider.gait.constraints import (
     scaled_rows,
 )
 from slider.gait.costs import COSTS
-from slider.gait.formulation import Formulation
-from slider.gait.motion import Node, StepEnd
+from slider.gait.formulation import Formulation, Node, StepEnd
 from slider.gait.transcription import END, NODE, ROLL_STATES, STEP, Layout
 from slider.gait.tree import NUM_JOINTS
 from slider.robot.names import VELOCITY
 
 Bounds = tuple[np.ndarray, np.ndarray]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A symbolic function with first and second derivatives."""
-
-    value: ca.Function
-    jacobian: ca.Function
-    hessian: ca.Function
 
 
 @dataclass(frozen=True)
@@ -57,38 +46,22 @@ class GaitProblem:
     Attributes:
         form: the formulation of the gait.
         layout: of the variables.
-        node, ends, collocation: functions with derivatives, rows scaled.
-        gradient: of a node's cost.
-        quantities: of a node, for the stored gait.
+        functions: with derivatives, rows scaled, by the names of ``build``.
         node_constraints, end_constraints: of the rows of a node and of the step ends.
     """
 
     form: Formulation
     layout: Layout
-    node: Piece
-    ends: Piece
-    collocation: Piece
-    gradient: ca.Function
-    quantities: ca.Function
+    functions: Functions
     node_constraints: list[Constraint]
     end_constraints: list[Constraint]
-
-    @property
-    def config(self) -> FormulationConfig:
-        """Settings of the formulation."""
-        return self.form.config
-
-    @property
-    def nodes(self) -> int:
-        """Nodes per step."""
-        return self.layout.nodes
 
     @cached_property
     def row_counts(self) -> tuple[int, int, int]:
         """Rows of one node, of the collocation and of the step ends."""
         node = sum(c.size for c in self.node_constraints)
         ends = sum(c.size for c in self.end_constraints)
-        return node, self.collocation.value.size1_out(0), ends
+        return node, self.functions["collocation"].size1_out(0), ends
 
     @cached_property
     def row_bounds(self) -> Bounds:
@@ -106,10 +79,10 @@ class GaitProblem:
     def blocks(self) -> list[Block]:
         """Where each named constraint is, for residuals by name."""
         node_rows, collocation_rows, _ = self.row_counts
-        first = 2 * self.nodes * node_rows
+        first = 2 * self.layout.nodes * node_rows
         collocation = Block("collocation", 1.0, first + np.arange(collocation_rows))
         ends = blocks_of(self.end_constraints, 1, first + collocation_rows)
-        return [*blocks_of(self.node_constraints, 2 * self.nodes), collocation, *ends]
+        return [*blocks_of(self.node_constraints, 2 * self.layout.nodes), collocation, *ends]
 
     def variable_bounds(self, duration: tuple[float, float]) -> Bounds:
         """Lower and upper bounds of the variables, the step time within ``duration`` [s].
@@ -117,7 +90,7 @@ class GaitProblem:
         The second step's time equals the first one's; bounds on it too would be redundant, which
         leaves the multipliers undetermined.
         """
-        rolls = np.tile(ROLL_BOUNDS, self.nodes)
+        rolls = np.tile(ROLL_BOUNDS, self.layout.nodes)
         place = self.layout.joints.bounded
         sides = []
         for sign, joints, time in zip((-1.0, 1.0), joint_bounds(self.form), duration, strict=True):
@@ -161,40 +134,37 @@ def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
 
     ``node``: (x, weight, turn) → cost, rows; ``node_jacobian``: (x, turn) → rows, their Jacobian;
     ``node_hessian``: (x, weight, turn, factor, multipliers) → symmetric (34, 34), of a node's
-    vector x (34,), its Simpson weight and ``turn`` (2,), see ``Node.of``; ``cost``: (x, weight) →
+    vector x (34,), its Simpson weight and ``turn`` (2,), see ``Node``; ``cost``: (x, weight) →
     cost, gradient; ``quantities``: x → see ``Node.stored``; ``ends``, ``ends_jacobian`` and
     ``ends_hessian``: rows of the step ends y (90,) and the velocity (3,); ``collocation`` with its
     derivatives: Hermite-Simpson defects of all variables.
     """
     layout = Layout.of(form.config)
     x, turn = ca.SX.sym("x", NODE), ca.SX.sym("turn", 2)
-    node = Node.of(form, x, turn)
+    node = Node(form, x, turn)
     node_constraints = of_node(node)
     y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(VELOCITY))
-    end_constraints = _of_step_ends(form, y, velocity)
+    times = [step[-1] for step in ca.vertsplit(y, STEP)]
+    starts = [_step_end(step[:END], step[-1]) for step in ca.vertsplit(y, STEP)]
+    ends = [_step_end(step[END:-1], step[-1]) for step in ca.vertsplit(y, STEP)]
+    end_constraints = of_walk(form, starts, ends, times, velocity)
 
     def derive() -> Functions:
+        z = ca.SX.sym("z", layout.size)
         parts = [
             *_node_functions(node, node_constraints, x, turn),
-            *_end_functions(end_constraints, y, velocity),
-            *_collocation(layout),
+            *_derived("ends", scaled_rows(end_constraints), y, velocity),
+            *_derived("collocation", _defects(layout, z), z),
         ]
         return {function.name(): function for function in parts}
 
     derived = functions(form.facts, derive)
-    pieces = {
-        name: Piece(derived[name], derived[f"{name}_jacobian"], derived[f"{name}_hessian"])
-        for name in ("node", "ends", "collocation")
-    }
-    return GaitProblem(
-        form=form,
-        layout=layout,
-        **pieces,
-        gradient=derived["cost"],
-        quantities=derived["quantities"],
-        node_constraints=node_constraints,
-        end_constraints=end_constraints,
-    )
+    return GaitProblem(form, layout, derived, node_constraints, end_constraints)
+
+
+def _step_end(state: ca.SX, step_time: ca.SX) -> StepEnd:
+    q, q_phase = state[2 : 2 + NUM_JOINTS], state[2 + NUM_JOINTS :]
+    return StepEnd(state[0], state[1], q, q_phase / step_time)
 
 
 def _node_functions(
@@ -203,64 +173,42 @@ def _node_functions(
     weight, cost = ca.SX.sym("w"), COSTS[node.form.config.cost]
     rows, cost = scaled_rows(constraints), cost.scale * cost.node(node, weight)
     multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
-    hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
-    full = ca.triu2symm(ca.triu(hessian))
+    hessian = _symmetric(factor * cost + ca.dot(multiplier, rows), x)
     return [
         ca.Function("node", [x, weight, turn], [cost, rows]),
         ca.Function("node_jacobian", [x, turn], [rows, ca.jacobian(rows, x)]),
-        ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [full]),
+        ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [hessian]),
         ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)]),
-        ca.Function("quantities", [x], Node.of(node.form, x, ca.SX(2, 1)).stored()),
+        ca.Function("quantities", [x], Node(node.form, x, ca.SX(2, 1)).stored()),
     ]
 
 
-def _end_functions(constraints: list[Constraint], y: ca.SX, velocity: ca.SX) -> list[ca.Function]:
-    rows = scaled_rows(constraints)
+def _derived(name: str, rows: ca.SX, x: ca.SX, *parameters: ca.SX) -> list[ca.Function]:
+    """Rows, and their first and second derivatives by x."""
     multiplier = ca.SX.sym("lam", rows.numel())
-    hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
-    full = ca.triu2symm(ca.triu(hessian))
+    hessian = _symmetric(ca.dot(multiplier, rows), x)
     return [
-        ca.Function("ends", [y, velocity], [rows]),
-        ca.Function("ends_jacobian", [y, velocity], [rows, ca.jacobian(rows, y)]),
-        ca.Function("ends_hessian", [y, velocity, multiplier], [full]),
+        ca.Function(name, [x, *parameters], [rows]),
+        ca.Function(f"{name}_jacobian", [x, *parameters], [rows, ca.jacobian(rows, x)]),
+        ca.Function(f"{name}_hessian", [x, *parameters, multiplier], [hessian]),
     ]
 
 
-def _of_step_ends(form: Formulation, y: ca.SX, velocity: ca.SX) -> list[Constraint]:
-    steps = [y[step * STEP : (step + 1) * STEP] for step in range(2)]
-    times = [step[-1] for step in steps]
-    starts = [_step_end(step[:END], step[-1]) for step in steps]
-    ends = [_step_end(step[END : 2 * END], step[-1]) for step in steps]
-    return of_walk(form, starts, ends, times, velocity)
+def _symmetric(value: ca.SX, x: ca.SX) -> ca.SX:
+    """Hessian whose lower triangle is the upper one's, to the last bit."""
+    return ca.triu2symm(ca.triu(ca.hessian(value, x)[0]))
 
 
-def _step_end(part: ca.SX, step_time: ca.SX) -> StepEnd:
-    n = NUM_JOINTS
-    return StepEnd(part[0], part[1], part[2 : 2 + n], part[2 + n :] / step_time)
-
-
-def _collocation(layout: Layout) -> list[ca.Function]:
+def _defects(layout: Layout, z: ca.SX) -> ca.SX:
     """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
-    z = ca.SX.sym("z", layout.size)
-    rolls = [row for step in range(2) for row in _roll_defects(layout, z, step)]
-    defects = ca.vertcat(*rolls, ca.mtimes(layout.joint_defects, z))
-    multiplier = ca.SX.sym("lam", defects.numel())
-    hessian, _ = ca.hessian(ca.dot(multiplier, defects), z)
-    return [
-        ca.Function("collocation", [z], [defects]),
-        ca.Function("collocation_jacobian", [z], [defects, ca.jacobian(defects, z)]),
-        ca.Function("collocation_hessian", [z, multiplier], [hessian]),
-    ]
-
-
-def _roll_defects(layout: Layout, z: ca.SX, step: int) -> list[ca.SX]:
     rows = []
-    interval = z[layout.time_index(step)] / layout.intervals
-    for k in range(0, layout.nodes - 1, 2):
-        first = layout.roll_index(step, k)
-        a, m, b = (z[first + ROLL_STATES * j : first + ROLL_STATES * (j + 1)] for j in range(3))
-        for i in range(2):
-            rows.append(m[i] - (a[i] + b[i]) / 2 - interval / 8 * (a[i + 1] - b[i + 1]))
-            mean = (a[i + 1] + 4 * m[i + 1] + b[i + 1]) / 6
-            rows.append(b[i] - a[i] - interval * mean)
-    return rows
+    for step in range(2):
+        interval = z[layout.time_index(step)] / layout.intervals
+        for k in range(0, layout.nodes - 1, 2):
+            first = layout.roll_index(step, k)
+            a, m, b = (z[first + ROLL_STATES * j : first + ROLL_STATES * (j + 1)] for j in range(3))
+            for i in range(2):
+                rows.append(m[i] - (a[i] + b[i]) / 2 - interval / 8 * (a[i + 1] - b[i + 1]))
+                mean = (a[i + 1] + 4 * m[i + 1] + b[i + 1]) / 6
+                rows.append(b[i] - a[i] - interval * mean)
+    return ca.vertcat(*rows, ca.mtimes(layout.joint_defects, z))

@@ -19,8 +19,8 @@ from slider.config.robot import Mechanism
 from slider.gait.dynamics import SlideTree
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.tree import NUM_JOINTS, BodyPose
-from slider.robot.names import SIDES
-from slider.robot.transmission import by_motor, leg_matrix
+from slider.robot.names import ACTUATED
+from slider.robot.transmission import Transmission
 
 NUM = 1 + NUM_JOINTS  # coordinates
 DECOUPLING = "decoupling"  # name of the array and of its residual
@@ -31,29 +31,10 @@ class RootedRobot:
 
     def __init__(self, robot: Mechanism) -> None:
         self.tree = SlideTree(robot)
-        self.q, self.v, self._a = (ca.SX.sym(name, NUM) for name in "qva")
-
-    @cached_property
-    def _forces(self) -> ca.SX:
-        """Generalised forces (11,) of accelerations."""
-        q, v, a = self.q, self.v, self._a
+        self.q, self.v, self._a = q, v, a = [ca.SX.sym(name, NUM) for name in "qva"]
         motion = self.tree.inverse_dynamics(q[0], v[0], a[0], q[1:], v[1:], a[1:])
-        return ca.vertcat(self.tree.line_wrench(q[0], motion)[1][0], motion.efforts)
-
-    @cached_property
-    def mass(self) -> ca.SX:
-        """M(q) (11, 11)."""
-        return ca.jacobian(self._forces, self._a)
-
-    @cached_property
-    def bias(self) -> ca.SX:
-        """h(q, q̇) (11,)."""
-        return ca.substitute(self._forces, self._a, ca.SX.zeros(NUM))
-
-    @cached_property
-    def dynamics(self) -> ca.Function:
-        """(q, q̇) → M, h."""
-        return ca.Function("dynamics", [self.q, self.v], [self.mass, self.bias])
+        line_moment = self.tree.line_wrench(q[0], motion)[1][0]
+        self._forces = ca.vertcat(line_moment, motion.efforts)  # generalised (11,)
 
     def equation(self, row: int) -> tuple[ca.SX, ca.SX]:
         """One row of M (11,) and of h; that of the roll, 0, has no input."""
@@ -61,15 +42,21 @@ class RootedRobot:
         return ca.gradient(force, self._a), ca.substitute(force, self._a, ca.SX.zeros(NUM))
 
     @cached_property
+    def dynamics(self) -> ca.Function:
+        """(q, q̇) → M (11, 11), h (11,)."""
+        bias = ca.substitute(self._forces, self._a, ca.SX.zeros(NUM))
+        return ca.Function("dynamics", [self.q, self.v], [ca.jacobian(self._forces, self._a), bias])
+
+    @property
     def center_of_mass(self) -> tuple[ca.SX, ca.SX]:
         """Position and velocity (3,) relative to the stance sole [m], [m/s]."""
         bodies, poses = self.tree.bodies, self.poses(self.q)
         total = sum(bodies[name].mass for name in poses)
-        points = {name: self.tree.point(pose, bodies[name].com) for name, pose in poses.items()}
-        place, rate = (
-            sum((bodies[name].mass / total * points[name][k] for name in poses), ca.SX.zeros(3))
-            for k in range(2)
-        )
+        place = rate = ca.SX.zeros(3)
+        for name, pose in poses.items():
+            point, velocity = self.tree.point(pose, bodies[name].com)
+            share = bodies[name].mass / total
+            place, rate = place + share * point, rate + share * velocity
         return place, rate
 
     def poses(self, q: ca.SX) -> dict[str, BodyPose]:
@@ -83,16 +70,15 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     Inputs are the motors' torques as shares of their limits: the least singular value is the
     acceleration of the outputs that full torques give in the worst direction.
     """
-    rooted = RootedRobot(robot)
+    rooted, motors = RootedRobot(robot), Transmission.of(robot)
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
     rows = np.tile(np.delete(output_matrix("absolute"), YAW, axis=1), (len(q), 1, 1))
     if by_hip:
         hip = ca.gradient(rooted.poses(rooted.q)["base"].origin[0], rooted.q)
         rows[:, ANKLE] = ca.Function("hip", [rooted.q], [hip]).map(len(q))(q.T).full().T
-    limits = np.array([drive.torque for drive in by_motor(robot, robot.drives)])
-    motors = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan).T * limits)
-    inputs = np.concatenate([np.zeros((1, motors.shape[1])), motors])
+    inputs = np.zeros((NUM, NUM_JOINTS))
+    inputs[1:] = motors.matrix[:, ACTUATED].T * motors.torque
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)
     with np.errstate(divide="ignore"):
         return np.stack([values[:, -1], values[:, 0] / values[:, -1]], axis=1)

@@ -1,4 +1,4 @@
-"""From a solved problem to a gait: its samples, polynomials, and violations between the nodes."""
+"""From a solved problem to a gait: its motion, polynomials, and violations between the nodes."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,10 @@ import numpy as np
 from slider.gait import bezier
 from slider.gait.constraints import scaled_bounds
 from slider.gait.problem import GaitProblem, blocks_of, excess
-from slider.gait.transcription import NODE, ROLL_STATES
+from slider.gait.transcription import NODE, ORDERS, ROLL_STATES
 from slider.gait.tree import NUM_JOINTS
 from slider.robot import knee_map
-from slider.robot.kinematics import about_z, turn_to_heading, yaw_of
+from slider.robot.kinematics import about_z
 
 _AXIAL = np.array([-1.0, 1.0, -1.0])  # reflection of angular quantities
 _POLAR = np.array([1.0, -1.0, 1.0])
@@ -48,10 +48,10 @@ class KneeTrajectory:
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
     nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
-    values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
+    values = [np.array(v).T for v in problem.functions["quantities"].map(len(nodes))(nodes.T)]
     q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
-    second = slice(problem.nodes, None)
+    second = slice(problem.layout.nodes, None)
     for joints in (q, v, torques, efforts):
         joints[second] = knee_map.reflected(joints[second])
     rotation[second] = _POLAR[:, None] * rotation[second] * _POLAR
@@ -65,9 +65,7 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     )
 
 
-def base_motion(
-    trajectory: KneeTrajectory, step_lengths: np.ndarray, turn: float = 0.0
-) -> np.ndarray:
+def base_motion(trajectory: KneeTrajectory, step_lengths: np.ndarray, turn: float) -> np.ndarray:
     """Base pose and velocity (S, 13) relative to the first stance foot.
 
     Position [m], quaternion w, x, y, z, linear velocity [m/s] (world), angular velocity [rad/s]
@@ -88,15 +86,8 @@ def base_motion(
 def _quaternion(r: np.ndarray) -> np.ndarray:
     """Unit quaternion w, x, y, z of a rotation by less than 180°."""
     w = np.sqrt(max(1.0 + np.trace(r), 1e-12)) / 2
-    return np.array(
-        [w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))]
-    )
-
-
-def samples(position: np.ndarray, velocity: np.ndarray, trajectory: KneeTrajectory) -> np.ndarray:
-    """Gait samples (S, 26): positions, velocities, forward and leftward speed of the base."""
-    base = turn_to_heading(trajectory.base_velocity, yaw_of(trajectory.base_rotation))
-    return np.concatenate([position, velocity, base], axis=1)
+    vector = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    return np.array([w, *(vector / (4 * w))])
 
 
 def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarray, float]:
@@ -106,10 +97,10 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
     """
     layout = problem.layout
     positions = layout.node_vectors(variables)[..., ROLL_STATES : ROLL_STATES + NUM_JOINTS]
-    if problem.config.transcription == "bezier":
+    if problem.form.config.transcription == "bezier":
         steps = [variables[layout.joint_slice(step)] for step in range(2)]
         return np.stack(steps).reshape(2, NUM_JOINTS, -1), 0.0
-    basis = bezier.basis(problem.config.degree, layout.phase)
+    (basis,) = bezier.basis_orders(problem.form.config.degree, layout.phase, 1)
     fitted = np.stack([np.linalg.lstsq(basis, step)[0].T for step in positions])
     missed = np.abs(np.einsum("kw,sjw->skj", basis, fitted) - positions).max()
     return fitted, float(missed)
@@ -120,19 +111,23 @@ def dense_violations(
 ) -> dict[str, float]:
     """Worst violation by name at ``DENSE`` phases per node interval, SI units.
 
-    ``yaw_rate`` [rad/s] is the commanded one.
-
-    The roll equation holds at nodes only; between them its residual measures the collocation.
+    ``yaw_rate`` [rad/s] is the commanded one. The roll equation holds at nodes only; between them
+    its residual measures the collocation.
     """
-    phase = _phase(problem)
+    phase = dense_phase(problem)
     lower, upper = scaled_bounds(problem.node_constraints, phase, at_nodes=False)
     x = dense_nodes(problem, variables)
     turns = np.stack([yaw_rate * np.repeat([1.0, -1.0], len(phase)), np.tile(phase - 0.5, 2)])
-    evaluate = problem.node.value.map(len(x))
+    evaluate = problem.functions["node"].map(len(x))
     rows = np.array(evaluate(x.T, np.ones((1, len(x))), turns)[1]).T
     beyond = excess(rows, np.tile(lower, (2, 1)), np.tile(upper, (2, 1))).ravel()
     blocks = blocks_of(problem.node_constraints, len(x))
     return {block.name: float(beyond[block.rows].max() * block.scale) for block in blocks}
+
+
+def dense_phase(problem: GaitProblem) -> np.ndarray:
+    """The phases of a step at which a solution is checked."""
+    return np.linspace(0.0, 1.0, DENSE * (problem.layout.nodes - 1) + 1)
 
 
 def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
@@ -141,9 +136,8 @@ def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
     Bézier joints are evaluated; what is collocated is the integral of its quadratically
     interpolated derivative.
     """
-    layout = problem.layout
+    layout, phase = problem.layout, dense_phase(problem)
     nodes = layout.node_vectors(variables)
-    phase = _phase(problem)
     dense = np.zeros((2, len(phase), NODE))
     dense[..., -1] = nodes[:, :1, -1]
     for step in range(2):
@@ -151,25 +145,14 @@ def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
         rolls = nodes[step, :, :ROLL_STATES] * [1.0, time, time**2]
         rolls = between_nodes(rolls[..., None], phase)[..., 0]
         dense[step, :, :ROLL_STATES] = rolls / [1, time, time**2]
-        dense[step, :, ROLL_STATES:-1] = _joints(problem, variables, nodes, step, phase)
+        if problem.form.config.transcription == "bezier":
+            coefficients = variables[layout.joint_slice(step)].reshape(NUM_JOINTS, -1)
+            joints = [bezier.evaluate(coefficients, phase, order) for order in range(ORDERS)]
+        else:
+            states = nodes[step, :, ROLL_STATES:-1].reshape(layout.nodes, ORDERS, NUM_JOINTS)
+            joints = between_nodes(states, phase).transpose(1, 0, 2)
+        dense[step, :, ROLL_STATES:-1] = np.concatenate([*joints], axis=1)
     return dense.reshape(-1, NODE)
-
-
-def _phase(problem: GaitProblem) -> np.ndarray:
-    return np.linspace(0.0, 1.0, DENSE * (problem.nodes - 1) + 1)
-
-
-def _joints(
-    problem: GaitProblem, variables: np.ndarray, nodes: np.ndarray, step: int, phase: np.ndarray
-) -> np.ndarray:
-    """Joints and their derivatives over the phase (phases, 30)."""
-    layout = problem.layout
-    if problem.config.transcription == "bezier":
-        coefficients = variables[layout.joint_slice(step)].reshape(NUM_JOINTS, -1)
-        orders = [bezier.evaluate(coefficients, phase, order) for order in range(3)]
-        return np.concatenate(orders, axis=1)
-    states = nodes[step, :, ROLL_STATES:-1].reshape(layout.nodes, 3, NUM_JOINTS)
-    return between_nodes(states, phase).reshape(len(phase), -1)
 
 
 def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
@@ -177,21 +160,12 @@ def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
     pieces = (len(states) - 1) // 2
     piece = np.minimum((phase * pieces).astype(int), pieces - 1)
     width = 1.0 / pieces
-    s = (phase - piece * width)[:, None]
-    nodes = [states[2 * piece + k] for k in range(3)]
-    value = nodes[0][:, 0] + _integral([node[:, 1] for node in nodes], width, s)
-    slope = nodes[0][:, 1] + _integral([node[:, 2] for node in nodes], width, s)
-    linear, square = _quadratic([node[:, 2] for node in nodes], width)
-    curvature = nodes[0][:, 2] + linear * s + square * s**2
-    return np.stack([value, slope, curvature], axis=1)
-
-
-def _quadratic(nodes: list[np.ndarray], width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Linear and quadratic coefficients through start, middle and end of an interval."""
-    first, middle, last = nodes
-    return (-3 * first + 4 * middle - last) / width, 2 * (first - 2 * middle + last) / width**2
-
-
-def _integral(nodes: list[np.ndarray], width: float, s: np.ndarray) -> np.ndarray:
-    linear, square = _quadratic(nodes, width)
-    return nodes[0] * s + linear * s**2 / 2 + square * s**3 / 3
+    s = (phase - piece * width)[:, None, None]
+    first, middle, last = (states[2 * piece + k] for k in range(3))
+    # Parabolas through the three nodes of an interval, and their integrals.
+    linear = (-3 * first + 4 * middle - last) / width
+    square = 2 * (first - 2 * middle + last) / width**2
+    integral = first * s + linear * s**2 / 2 + square * s**3 / 3
+    result = first + linear * s + square * s**2
+    result[:, :2] = first[:, :2] + integral[:, 1:]
+    return result

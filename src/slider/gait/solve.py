@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import casadi as ca
 import numpy as np
@@ -88,30 +88,30 @@ class Nlp:
     """
 
     def __init__(self, problem: GaitProblem) -> None:
-        layout, self._problem, self._count = problem.layout, problem, 2 * problem.nodes
+        layout, self._problem, self._count = problem.layout, problem, 2 * problem.layout.nodes
         self.x, self.p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(VELOCITY))
         self._select, self._select_ends = layout.select_nodes, layout.select_ends
         self._nodes = ca.reshape(self._select @ self.x, NODE, self._count)
         self._ends = self._select_ends @ self.x
         self._weights, turns = ca.DM(layout.weights).T, ca.DM(layout.turns)
-        self._turns = ca.vertcat(self.p[2] * turns[0, :], turns[1, :])  # of the nodes: Node.of
+        self._turns = ca.vertcat(self.p[2] * turns[0, :], turns[1, :])  # as Node has them
 
     @cached_property
     def objective_and_rows(self) -> ca.Function:
         """(x, p) → cost, rows."""
-        problem, nodes = self._problem, (self._nodes, self._weights, self._turns)
-        costs, node_rows = problem.node.value.map(self._count)(*nodes)
-        defects, end_rows = (
-            problem.collocation.value(self.x),
-            problem.ends.value(self._ends, self.p),
-        )
+        functions = self._problem.functions
+        at_nodes = functions["node"].map(self._count)
+        costs, node_rows = at_nodes(self._nodes, self._weights, self._turns)
+        defects = functions["collocation"](self.x)
+        end_rows = functions["ends"](self._ends, self.p)
         results = [ca.sum2(costs), ca.vertcat(ca.vec(node_rows), defects, end_rows)]
         return ca.Function("nlp", [self.x, self.p], results, ["x", "p"], ["f", "g"])
 
     @cached_property
     def gradient(self) -> ca.Function:
         """(x, p) → cost, its gradient."""
-        costs, slopes = self._problem.gradient.map(self._count)(self._nodes, self._weights)
+        at_nodes = self._problem.functions["cost"].map(self._count)
+        costs, slopes = at_nodes(self._nodes, self._weights)
         results = [ca.sum2(costs), self._select.T @ ca.vec(slopes)]
         names = ["f", "grad_f_x"]
         return ca.Function("nlp_grad_f", [self.x, self.p], results, ["x", "p"], names)
@@ -119,10 +119,11 @@ class Nlp:
     @cached_property
     def jacobian(self) -> ca.Function:
         """(x, p) → rows, their Jacobian."""
-        problem = self._problem
-        node_rows, nodes = problem.node.jacobian.map(self._count)(self._nodes, self._turns)
-        defects, defect_jacobian = problem.collocation.jacobian(self.x)
-        end_rows, ends = problem.ends.jacobian(self._ends, self.p)
+        functions = self._problem.functions
+        at_nodes = functions["node_jacobian"].map(self._count)
+        node_rows, nodes = at_nodes(self._nodes, self._turns)
+        defects, defect_jacobian = functions["collocation_jacobian"](self.x)
+        end_rows, ends = functions["ends_jacobian"](self._ends, self.p)
         rows = ca.vertcat(ca.vec(node_rows), defects, end_rows)
         parts = [_diagonal(nodes) @ self._select, defect_jacobian, ends @ self._select_ends]
         results, names = [rows, ca.vertcat(*parts)], ["g", "jac_g_x"]
@@ -131,25 +132,20 @@ class Nlp:
     @cached_property
     def hessian(self) -> ca.Function:
         """(x, p, factor before the cost, multipliers) → upper triangle of the Lagrangian's."""
-        problem = self._problem
-        per_node, collocation, ends = problem.row_counts
-        split = per_node * self._count, per_node * self._count + collocation
-        factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", split[1] + ends)
+        functions, (per_node, collocation, ends) = self._problem.functions, self._problem.row_counts
+        first, second = per_node * self._count, per_node * self._count + collocation
+        factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", second + ends)
         factors = ca.repmat(factor, 1, self._count)
-        node_multipliers = ca.reshape(multipliers[: split[0]], per_node, self._count)
-        arguments = self._nodes, self._weights, self._turns, factors, node_multipliers
-        nodes = problem.node.hessian.map(self._count)(*arguments)
+        node_multipliers = ca.reshape(multipliers[:first], per_node, self._count)
+        at_nodes = functions["node_hessian"].map(self._count)
+        nodes = at_nodes(self._nodes, self._weights, self._turns, factors, node_multipliers)
         hessian = self._select.T @ _diagonal(nodes) @ self._select
-        hessian += problem.collocation.hessian(self.x, multipliers[split[0] : split[1]])
-        at_ends = problem.ends.hessian(self._ends, self.p, multipliers[split[1] :])
+        hessian += functions["collocation_hessian"](self.x, multipliers[first:second])
+        at_ends = functions["ends_hessian"](self._ends, self.p, multipliers[second:])
         hessian += self._select_ends.T @ at_ends @ self._select_ends
-        return ca.Function(
-            "nlp_hess_l",
-            [self.x, self.p, factor, multipliers],
-            [ca.triu(hessian)],
-            ["x", "p", "lam_f", "lam_g"],
-            ["triu_hess_gamma_x_x"],
-        )
+        arguments, names = [self.x, self.p, factor, multipliers], ["x", "p", "lam_f", "lam_g"]
+        results = [ca.triu(hessian)]
+        return ca.Function("nlp_hess_l", arguments, results, names, ["triu_hess_gamma_x_x"])
 
 
 def _diagonal(blocks: ca.MX) -> ca.MX:
@@ -164,19 +160,12 @@ class GaitSolver:
         self.problem = problem
         self._config, self._step_time = config, step_time
         self._nlp = Nlp(problem)
+        self._ipopt = cache(self._build)
 
-    @cached_property
-    def _cold(self) -> ca.Function:
-        return self._build({})
-
-    @cached_property
-    def _warm(self) -> ca.Function:
-        return self._build(_WARM)
-
-    def _build(self, changes: dict[str, object]) -> ca.Function:
-        config = self._config
+    def _build(self, warm: bool) -> ca.Function:
+        config, nlp = self._config, self._nlp
         x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", len(VELOCITY))
-        objective, rows = self._nlp.objective_and_rows(x, p)
+        objective, rows = nlp.objective_and_rows(x, p)
         ipopt = {
             "max_iter": config.max_iterations,
             "tol": config.tolerance,
@@ -192,14 +181,14 @@ class GaitSolver:
             "option_file_name": "",  # else an ipopt.opt in the working directory changes the gait
         }
         options = {
-            "ipopt": ipopt | changes,
+            "ipopt": ipopt | (_WARM if warm else {}),
             "print_time": False,
             "record_time": True,
             "no_nlp_grad": True,
             "calc_lam_p": False,
-            "grad_f": self._nlp.gradient,
-            "jac_g": self._nlp.jacobian,
-            "hess_lag": self._nlp.hessian,
+            "grad_f": nlp.gradient,
+            "jac_g": nlp.jacobian,
+            "hess_lag": nlp.hessian,
             "error_on_fail": False,
         }
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
@@ -217,7 +206,7 @@ class GaitSolver:
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
-        solves: list[Solve] = []
+        solves = list[Solve]()
         for guess in self._config.guesses if start is None else [start]:
             solves.append(self.attempt(guess, vx, vy, yaw_rate))
             if solves[-1].success and self._config.keep == "first":
@@ -237,11 +226,11 @@ class GaitSolver:
         wall, cpu = time.perf_counter(), time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
-        cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
+        cost = float(result["f"]) / COSTS[self.problem.form.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
         name = guess if isinstance(guess, str) else GIVEN
-        worst = self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy))
+        worst = self._residuals(rows, variables, (vx, vy))
         return Solve(
             variables=variables,
             status=status,
@@ -259,24 +248,19 @@ class GaitSolver:
     def _solve_from(
         self, guess: str | np.ndarray, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Solve from one guess: a cold start, or a ``ramp`` of warm starts."""
-        if isinstance(guess, np.ndarray):
-            return self._cold, self._call(self._cold, velocity, x0=guess)
-        if guess == "ramp":
-            return self._ramp(velocity)
-        duration = duration_bounds(self._step_time, *velocity[:2])
-        degree = self.problem.config.degree
-        vx = velocity[0] / self.problem.form.leg_scale
-        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, velocity, x0=start)
-
-    def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Walk in place first, then ever faster, each start with primal and dual values."""
-        _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
-        for share in RAMP:
-            start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
-            result = self._call(self._warm, share * velocity, **start)
-        return self._warm, result
+        """Solve from given variables, a cold start, or a ``ramp`` of warm starts."""
+        if isinstance(guess, str) and guess == "ramp":
+            # Walk in place first, then ever faster, each start with primal and dual values.
+            _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
+            for share in RAMP:
+                start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
+                result = self._call(self._ipopt(True), share * velocity, **start)
+            return self._ipopt(True), result
+        if isinstance(guess, str):
+            form, duration = self.problem.form, duration_bounds(self._step_time, *velocity[:2])
+            vx, degree = velocity[0] / form.leg_scale, form.config.degree
+            guess = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
+        return self._ipopt(False), self._call(self._ipopt(False), velocity, x0=guess)
 
     def _call(
         self, function: ca.Function, velocity: np.ndarray, **start: np.ndarray
@@ -286,14 +270,16 @@ class GaitSolver:
         row_lower, row_upper = self.problem.row_bounds
         return function(p=velocity, lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, **start)
 
-    def residuals(
-        self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
+    def _residuals(
+        self, rows: np.ndarray, variables: np.ndarray, velocity: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:
         """Worst violation by constraint name; constraints of both steps count together."""
         lower, upper = self.problem.row_bounds
         worst: dict[str, tuple[float, str]] = {}
         for block in self.problem.blocks:
-            found = worst_of(rows[block.rows], lower[block.rows], upper[block.rows], block.scale)
-            worst[block.name] = max(worst.setdefault(block.name, found), found)
-        worst["variables"] = worst_of(variables, *self.problem.variable_bounds(duration))
+            at = block.rows
+            violation = worst_of(rows[at], lower[at], upper[at], block.scale)
+            worst[block.name] = max(worst.setdefault(block.name, violation), violation)
+        bounds = self.problem.variable_bounds(duration_bounds(self._step_time, *velocity))
+        worst["variables"] = worst_of(variables, *bounds)
         return worst

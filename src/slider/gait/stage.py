@@ -3,7 +3,6 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,18 +13,13 @@ from slider.core.casadi_code import Compiled
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
 from slider.gait.costs import COSTS
-from slider.gait.formulation import formulate, least_hip_rate
+from slider.gait.formulation import Formulation, least_hip_rate
 from slider.gait.problem import GaitProblem, build, worst_of
 from slider.gait.rooted import DECOUPLING, decoupling
-from slider.gait.solution import (
-    base_motion,
-    coefficients,
-    dense_violations,
-    knee_trajectory,
-    samples,
-)
+from slider.gait.solution import base_motion, coefficients, dense_violations, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import ROLL_STATES
+from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
 from slider.robot.names import ACTUATED, VELOCITY, velocity_text
 
@@ -45,34 +39,44 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float, float]]:
     """Solver of a section, and its velocity [m/s, m/s, rad/s]."""
+    vx, vy, yaw_rate = (float(value) for value in section["velocity"])
     config = from_dict(SolveConfig, section["solve"])
-    velocity = _velocity(section)
     robot = from_dict(Mechanism, section["robot"])
-    formulation = from_dict(FormulationConfig, section["formulation"])
-    hip_rate = least_hip_rate(formulation, velocity[0])
-    form = formulate(robot, formulation, velocity[2] != 0.0, hip_rate)
+    settings = from_dict(FormulationConfig, section["formulation"])
+    form = Formulation(robot, settings, yaw_rate != 0.0, least_hip_rate(settings, vx))
     problem = build(form, Compiled(job, "gaits", WORTH))
-    job.progress(f"gait {velocity_text(velocity)}: built")
-    return GaitSolver(problem, config.solver, config.step_time), velocity
+    job.progress(f"gait {velocity_text((vx, vy, yaw_rate))}: built")
+    return GaitSolver(problem, config.solver, config.step_time), (vx, vy, yaw_rate)
 
 
 def write_report(
     section: Section, problem: GaitProblem, solve: Solve, out: Path, job: Job
 ) -> tuple[dict[str, np.ndarray], Summary]:
     """Write the report of a solve and note its times; arrays of the gait, and the summary."""
-    velocity = _velocity(section)
+    vx, vy, yaw_rate = (float(value) for value in section["velocity"])
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], velocity[2])
+    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], yaw_rate)
+    forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
     least = section["solve"]["decoupling_min"]
-    report = _report(problem, solve, velocity, worst_of(arrays[DECOUPLING][:, 0], least, np.inf))
+    missing, worst = worst_of(arrays[DECOUPLING][:, 0], least, np.inf)
+    report = {
+        **dict(zip(VELOCITY, (vx, vy, yaw_rate), strict=True)),
+        "status": solve.status,
+        "converged": solve.success,
+        "iterations": solve.iterations,
+        "attempts": [asdict(attempt) for attempt in solve.attempts],
+        "cost": solve.cost,
+        "cost_unit": COSTS[problem.form.config.cost].unit,
+        "hip_share": float(forward.min()) / vx if vx > 0 else None,
+        "max_violation": max(solve.max_violation, missing),
+        "residuals": solve.residuals | {DECOUPLING: missing},
+        "worst": solve.worst | {DECOUPLING: worst},
+        "between_nodes": dense_violations(problem, solve.variables, yaw_rate),
+        "coefficient_error": coefficients(problem, solve.variables)[1],
+    }
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     names = (*VELOCITY, "status", "converged", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
-
-
-def _velocity(section: Section) -> tuple[float, float, float]:
-    vx, vy, yaw_rate = (float(value) for value in section["velocity"])
-    return vx, vy, yaw_rate
 
 
 def gait_arrays(
@@ -83,57 +87,31 @@ def gait_arrays(
     ``yaw_rate`` [rad/s] is the commanded one.
     """
     layout, variables = problem.layout, solve.variables
-    trajectory = knee_trajectory(problem, variables)
+    walk = knee_trajectory(problem, variables)
     robot, half = problem.form.robot, layout.nodes
-    position, velocity = prismatic_joints(trajectory.q, trajectory.v, robot, kinematic_map)
+    position, velocity = prismatic_joints(walk.q, walk.v, robot, kinematic_map)
+    speeds = turn_to_heading(walk.base_velocity, yaw_of(walk.base_rotation))
     times = np.array([variables[layout.time_index(step)] for step in range(2)])
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]
     stance = np.zeros((2 * half, 2))
     stance[:half, 0] = stance[half:, 1] = 1.0
     roll = layout.node_vectors(variables)[..., :ROLL_STATES].copy()
+    rooted = position[:, ACTUATED]  # stance leg first, reflected in right stance
+    rooted[half:] = reflected(rooted[half:])
+    rooted = np.concatenate([roll[..., 0].reshape(-1, 1), rooted], axis=1)
     return {
-        "samples": samples(position, velocity, trajectory),
+        "samples": np.concatenate([position, velocity, speeds], axis=1),
         "time": np.concatenate([first, second]),
         "step_time": times,
         "coefficients": coefficients(problem, variables)[0],
-        "base": base_motion(trajectory, trajectory.swing_foot[half - 1, :2], yaw_rate * times[0]),
+        "base": base_motion(walk, walk.swing_foot[half - 1, :2], yaw_rate * times[0]),
         "contact": stance,
-        "knee_positions": trajectory.q,
-        "knee_velocities": trajectory.v,
-        "knee_torques": trajectory.torques,
-        "efforts": with_upper_feet(trajectory.efforts),
-        "ground_wrench": trajectory.wrench,
-        "swing_foot": trajectory.swing_foot,
+        "knee_positions": walk.q,
+        "knee_velocities": walk.v,
+        "knee_torques": walk.torques,
+        "efforts": with_upper_feet(walk.efforts),
+        "ground_wrench": walk.wrench,
+        "swing_foot": walk.swing_foot,
         "roll": roll,
-        DECOUPLING: decoupling(robot, _rooted(position, roll), problem.form.by_hip),
-    }
-
-
-def _rooted(position: np.ndarray, roll: np.ndarray) -> np.ndarray:
-    """Roll and driven joints (S, 11), stance leg first, reflected in right stance."""
-    joints = position[:, list(ACTUATED)]
-    half = len(joints) // 2
-    joints = np.concatenate([joints[:half], reflected(joints[half:])])
-    return np.concatenate([roll[..., 0].reshape(-1, 1), joints], axis=1)
-
-
-def _report(
-    problem: GaitProblem, solve: Solve, velocity: tuple[float, ...], regular: tuple[float, str]
-) -> dict[str, Any]:
-    """``regular``: by how much the decoupling misses its bound, and both in words."""
-    forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
-    return {
-        **dict(zip(VELOCITY, velocity, strict=True)),
-        "status": solve.status,
-        "converged": solve.success,
-        "iterations": solve.iterations,
-        "attempts": [asdict(attempt) for attempt in solve.attempts],
-        "cost": solve.cost,
-        "cost_unit": COSTS[problem.config.cost].unit,
-        "hip_share": float(forward.min()) / velocity[0] if velocity[0] > 0 else None,
-        "max_violation": max(solve.max_violation, regular[0]),
-        "residuals": solve.residuals | {DECOUPLING: regular[0]},
-        "worst": solve.worst | {DECOUPLING: regular[1]},
-        "between_nodes": dense_violations(problem, solve.variables, velocity[2]),
-        "coefficient_error": coefficients(problem, solve.variables)[1],
+        DECOUPLING: decoupling(robot, rooted, problem.form.by_hip),
     }

@@ -1,4 +1,4 @@
-"""Comparison of stored gaits that may be on different meshes."""
+"""The stage ``gait_start``, and a comparison of stored gaits that may be on different meshes."""
 
 from dataclasses import dataclass
 from math import gcd
@@ -10,8 +10,7 @@ from scipy.integrate import simpson
 from slider.config.convert import from_dict
 from slider.config.gait import StartSpread, StepTime
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.gait.guess import LEG, crouched_walk, variables_of
-from slider.gait.problem import GaitProblem
+from slider.gait.guess import random_start
 from slider.gait.solve import duration_bounds
 from slider.gait.stage import prepare, write_report
 
@@ -77,24 +76,3 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     guess = random_start(solver.problem, velocity[0], duration, spread, generator)
     solve = solver.solve(*velocity, start=guess)
     return write_report(section, solver.problem, solve, out, job)[1]
-
-
-def random_start(
-    problem: GaitProblem,
-    vx: float,
-    duration: tuple[float, float],
-    spread: StartSpread,
-    generator: np.random.Generator,
-) -> np.ndarray:
-    """Variables (size,) about a crouched walk at forward speed vx [m/s], within their bounds.
-
-    ``duration``: bounds of the step time [s]. The two steps differ.
-    """
-    step_time = generator.uniform(*duration)
-    crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
-    stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
-    leg = LEG * problem.form.leg_scale
-    walk = crouched_walk(stride / 2 / leg, problem.config.degree + 1, crouch)
-    noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
-    start = variables_of(problem.layout, walk + noise, step_time)
-    return np.clip(start, *problem.variable_bounds(duration))

@@ -8,13 +8,14 @@ and accelerations of all joints at every node, tied by Hermite-Simpson defects.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.gait import bezier
-from slider.gait.motion import NodeSymbols
+from slider.gait.formulation import NodeSymbols
 from slider.gait.tree import NUM_JOINTS
 
 ORDERS = 3  # positions and their first and second derivatives with respect to the phase
@@ -45,50 +46,38 @@ class Transcription:
 
 def bezier_joints(nodes: int, degree: int) -> Transcription:
     """Coefficients of the ten joints, joint by joint."""
-    phase, width = np.linspace(0.0, 1.0, nodes), degree + 1
-    size = NUM_JOINTS * width
-    blocks = [_interleave(bezier.basis_derivative(degree, phase, order)) for order in range(ORDERS)]
-    joints = np.repeat(np.arange(NUM_JOINTS), width)  # a polynomial stays in its coefficients' hull
-    return Transcription(size, np.concatenate(blocks), np.zeros((0, size)), joints)
-
-
-def _interleave(basis: np.ndarray) -> np.ndarray:
-    """(nodes · 10, 10 · width) from a basis (nodes, width)."""
-    return np.einsum("kw,ij->kijw", basis, np.eye(NUM_JOINTS)).reshape(
-        len(basis) * NUM_JOINTS, NUM_JOINTS * basis.shape[1]
-    )
+    phase = np.linspace(0.0, 1.0, nodes)
+    bases = np.stack(bezier.basis_orders(degree, phase, ORDERS))
+    matrix = np.einsum("okw,ij->okijw", bases, np.eye(NUM_JOINTS))
+    size = NUM_JOINTS * (degree + 1)
+    joints = np.repeat(np.arange(NUM_JOINTS), degree + 1)  # a polynomial stays in its hull
+    return Transcription(size, matrix.reshape(-1, size), np.zeros((0, size)), joints)
 
 
 def collocated_joints(nodes: int) -> Transcription:
     """Values of the three orders at every node, node by node."""
-    width = ORDERS * NUM_JOINTS
-    eye = np.eye(nodes * width)
-    place = np.arange(nodes * width).reshape(nodes, ORDERS, NUM_JOINTS)
-    orders = [eye[place[:, order].ravel()] * _SCALES[order] for order in range(ORDERS)]
+    size = nodes * ORDERS * NUM_JOINTS
+    eye = np.eye(size).reshape(nodes, ORDERS, NUM_JOINTS, size)
+    orders = [eye[:, order] * _SCALES[order] for order in range(ORDERS)]
     joints = np.full((nodes, ORDERS, NUM_JOINTS), -1)
     joints[:, 0] = np.arange(NUM_JOINTS)
-    defects = [_defects(orders[order], orders[order + 1], nodes) for order in range(ORDERS - 1)]
-    return Transcription(
-        nodes * width, np.concatenate(orders), np.concatenate(defects), joints.ravel()
-    )
-
-
-def _defects(value: np.ndarray, slope: np.ndarray, nodes: int) -> np.ndarray:
-    """Hermite-Simpson rows, separated form, of a quantity and its derivative."""
-    interval = 2.0 / (nodes - 1)
-    rows = np.arange(nodes * NUM_JOINTS).reshape(nodes, NUM_JOINTS)
-    a, m, b = (rows[start : nodes - 2 + start : 2].ravel() for start in range(3))
-    middle = value[m] - (value[a] + value[b]) / 2 - interval / 8 * (slope[a] - slope[b])
-    end = value[b] - value[a] - interval / 6 * (slope[a] + 4 * slope[m] + slope[b])
-    return np.concatenate([middle, end])
+    defects, interval = [], 2.0 / (nodes - 1)
+    for value, slope in pairwise(orders):  # Hermite-Simpson, separated form
+        (a, m, b), (da, dm, db) = (
+            (each[:-2:2], each[1:-1:2], each[2::2]) for each in (value, slope)
+        )
+        defects.append(m - (a + b) / 2 - interval / 8 * (da - db))
+        defects.append(b - a - interval / 6 * (da + 4 * dm + db))
+    nodes_of, zero = (np.concatenate(each).reshape(-1, size) for each in (orders, defects))
+    return Transcription(size, nodes_of, zero, joints.ravel())
 
 
 def from_polynomials(transcription: Transcription, coefficients: np.ndarray) -> np.ndarray:
     """Variables (size,) of Bézier polynomials (10, degree + 1); exact where they are the same."""
-    if transcription.size == coefficients.size and transcription.defects.shape[0] == 0:
+    if transcription.size == coefficients.size and not len(transcription.defects):
         return coefficients.ravel()
-    per_order = transcription.nodes.shape[0] // ORDERS // NUM_JOINTS
-    phase = np.linspace(0.0, 1.0, per_order)
+    nodes = len(transcription.nodes) // ORDERS // NUM_JOINTS
+    phase = np.linspace(0.0, 1.0, nodes)
     values = [bezier.evaluate(coefficients, phase, order) for order in range(ORDERS)]
     scaled = [value / scale for value, scale in zip(values, _SCALES, strict=True)]
     return np.stack(scaled, axis=1).ravel()
@@ -148,64 +137,42 @@ class Layout:
         return np.tile(single / single.sum(), 2)
 
     @cached_property
-    def select_nodes(self) -> ca.DM:
-        """Matrix (2 · nodes · 34, size) from variables to node vectors."""
-        return _sparse(self._nodes)
-
-    @cached_property
     def turns(self) -> np.ndarray:
         """Sign of the yaw rate and phase from −½ to ½ (2, 2 · nodes): the second is reflected."""
         signs = np.repeat([1.0, -1.0], self.nodes)
         return np.stack([signs, np.tile(self.phase - 0.5, 2)])
+
+    @cached_property
+    def select_nodes(self) -> ca.DM:
+        """Sparse matrix (2 · nodes · 34, size) from variables to node vectors."""
+        per_order, states = self.nodes * NUM_JOINTS, ROLL_STATES * self.nodes
+        parts = ca.sparsify(ca.DM(self.joints.nodes)), ca.DM.eye(1 + states)
+        joints = np.arange(ORDERS * per_order).reshape(ORDERS, self.nodes, NUM_JOINTS)
+        times = np.full((self.nodes, 1), ORDERS * per_order)
+        rolls = times + 1 + np.arange(states).reshape(self.nodes, ROLL_STATES)
+        rows = np.concatenate([rolls, *joints, times], axis=1).ravel()
+        step = ca.diagcat(*parts)[rows.tolist(), :]
+        return ca.diagcat(step, step)
 
     def node_vectors(self, variables: np.ndarray) -> np.ndarray:
         """Vectors (2, nodes, 34) of all nodes of both steps, the second one reflected."""
         return (self.select_nodes @ variables).full().reshape(2, self.nodes, NODE)
 
     @cached_property
-    def _nodes(self) -> np.ndarray:
-        rolls = np.eye(ROLL_STATES * self.nodes)
-        step = _diagonal(self.joints.nodes, np.eye(1), rolls)[self._node_rows()]
-        return _diagonal(step, step)
-
-    def _node_rows(self) -> np.ndarray:
-        """Rows of (joint orders, time, rolls) that make up the node vectors of a step."""
-        per_order = self.nodes * NUM_JOINTS
-        joints = np.arange(ORDERS * per_order).reshape(ORDERS, self.nodes, NUM_JOINTS)
-        time = ORDERS * per_order
-        rolls = time + 1 + np.arange(ROLL_STATES * self.nodes).reshape(self.nodes, ROLL_STATES)
-        times = np.full((self.nodes, 1), time)
-        return np.concatenate([rolls, *joints, times], axis=1).ravel()
-
-    @cached_property
     def select_ends(self) -> ca.DM:
-        """Matrix (2 · 45, size) from variables to the starts and ends of the steps."""
+        """Sparse matrix (2 · 45, size) from variables to the starts and ends of the steps."""
         end = np.r_[0:2, ROLL_STATES : ROLL_STATES + 2 * NUM_JOINTS]
         rows = []
         for step in range(2):
             first = step * self.nodes * NODE
             last = first + (self.nodes - 1) * NODE
-            rows += [first + end, last + end, [first + NODE - 1]]
-        return _sparse(self._nodes[np.concatenate(rows)])
+            rows += [*(first + end), *(last + end), first + NODE - 1]
+        return self.select_nodes[[int(row) for row in rows], :]
 
     @cached_property
     def joint_defects(self) -> ca.DM:
-        """Rows (n, size) of both steps that are zero for a valid joint motion."""
+        """Sparse rows (n, size) of both steps that are zero for a valid joint motion."""
         defects = self.joints.defects
-        step = np.pad(defects, ((0, 0), (0, self.step_size - self.joints.size)))
-        return _sparse(_diagonal(step, step))
-
-
-def _sparse(matrix: np.ndarray) -> ca.DM:
-    """The same without its zeros. SciPy, imported for such matrices alone, takes 0.07 s."""
-    rows, columns = np.nonzero(matrix)
-    values = ca.DM(matrix[rows, columns])
-    return ca.DM.triplet(rows.tolist(), columns.tolist(), values, *matrix.shape)
-
-
-def _diagonal(*blocks: np.ndarray) -> np.ndarray:
-    rows, columns = np.cumsum([block.shape for block in blocks], axis=0).T
-    matrix = np.zeros((rows[-1], columns[-1]))
-    for block, row, column in zip(blocks, rows, columns, strict=True):
-        matrix[row - block.shape[0] : row, column - block.shape[1] : column] = block
-    return matrix
+        rest = ca.DM(len(defects), self.step_size - self.joints.size)
+        step = ca.horzcat(ca.sparsify(ca.DM(defects)), rest)
+        return ca.diagcat(step, step)

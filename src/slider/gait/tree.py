@@ -8,8 +8,9 @@ Eq. 1 (exact) leads from the virtual knee's coordinates to the slide's: q_p = φ
 q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 
 import casadi as ca
 import numpy as np
@@ -73,49 +74,40 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
 
 
 # Bodies of a left leg from the hip down: name, axis, its sign, place in the body above [m], slides.
-LegChain = list[tuple[str, int, float, np.ndarray, bool]]
+Link = tuple[str, int, float, list[float], bool]
 
 
-_ZERO = np.zeros(3)
-
-
-def _hip(axes: HipAxes, below: str) -> LegChain:
-    return [
-        ("yaw", 2, 1.0, np.array(axes.hip_yaw), False),
-        ("roll", 0, 1.0, np.array(axes.hip_roll), False),
-        (below, 1, 1.0, np.array(axes.hip_pitch), False),
-    ]
-
-
-def knee_leg(axes: HipAxes, knee: VirtualKnee) -> LegChain:
+def knee_leg(axes: HipAxes, knee: VirtualKnee) -> list[Link]:
     """The knee bends about −y."""
-    return [
-        *_hip(axes, "thigh"),
-        ("shank", 1, -1.0, np.array([0.0, 0.0, -knee.thigh_length]), False),
-        ("foot", 1, 1.0, np.array([0.0, 0.0, -knee.shank_length]), False),
-    ]
+    shank = ("shank", 1, -1.0, [0.0, 0.0, -knee.thigh_length], False)
+    return [*_hip(axes, "thigh"), shank, ("foot", 1, 1.0, [0.0, 0.0, -knee.shank_length], False)]
 
 
-def prismatic_leg(axes: HipAxes, leg_length: float) -> LegChain:
+def prismatic_leg(axes: HipAxes, leg_length: float) -> list[Link]:
     """The slide lowers the tube along −z."""
+    tube = ("tube", 2, -1.0, [0.0, 0.0, 0.0], True)
+    return [*_hip(axes, "pitch"), tube, ("foot", 1, 1.0, [0.0, 0.0, -leg_length], False)]
+
+
+def _hip(axes: HipAxes, below: str) -> list[Link]:
     return [
-        *_hip(axes, "pitch"),
-        ("tube", 2, -1.0, _ZERO, True),
-        ("foot", 1, 1.0, np.array([0.0, 0.0, -leg_length]), False),
+        ("yaw", 2, 1.0, [*axes.hip_yaw], False),
+        ("roll", 0, 1.0, [*axes.hip_roll], False),
+        (below, 1, 1.0, [*axes.hip_pitch], False),
     ]
 
 
-def edges_of(chain: LegChain) -> list[Edge]:
+def edges_of(chain: list[Link]) -> list[Edge]:
     """From the stance (left) foot up to the base and down to the swing foot."""
-    edges: list[Edge] = []
+    edges, zero = list[Edge](), np.zeros(3)
     for side, lateral in ((STANCE, 1.0), (SWING, -1.0)):
         parent = "base"
         for k, (name, axis, turn, place, slides) in enumerate(chain):
-            place, child = place * [1.0, lateral, 1.0] + 0.0, f"{side}_{name}"
+            place, child = np.array(place) * [1.0, lateral, 1.0] + 0.0, f"{side}_{name}"
             if side == STANCE:
-                edges.insert(0, Edge(child, parent, k, axis, -turn, _ZERO, place, slides))
+                edges.insert(0, Edge(child, parent, k, axis, -turn, zero, place, slides))
             else:
-                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, turn, place, _ZERO, slides))
+                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, turn, place, zero, slides))
             parent = child
     return edges
 
@@ -133,6 +125,17 @@ def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
     origin = pose.origin + pose.rotation @ at_parent - rot @ at_child
     linear = pose.linear + pose.rotation @ ca.cross(pose.angular, at_parent)
     return BodyPose(rot, origin, angular, linear - rot @ ca.cross(angular, at_child))
+
+
+def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
+    """A method on values (5,) of a leg, for values (10,) of both legs."""
+
+    @wraps(method)
+    def on_legs(self: "LegMap", *values: ca.SX) -> ca.SX:
+        legs = zip(*(ca.vertsplit(each, LEG_JOINTS) for each in values), strict=True)
+        return ca.vertcat(*(method(self, *leg) for leg in legs))
+
+    return on_legs
 
 
 @dataclass(frozen=True)
@@ -166,51 +169,34 @@ class LegMap:
             leg_length,
         )
 
+    @_each_leg
     def positions(self, q: ca.SX) -> ca.SX:
         """Joint positions of the prismatic legs of knee legs (5 per leg)."""
-        parts = []
-        for (leg,) in _legs(q):
-            hip, length, ankle = ca.vertsplit(self.shifts(leg[_KNEE]))
-            parts += [leg[:_PITCH], leg[_PITCH] + hip, length - self.nominal, leg[_ANKLE] + ankle]
-        return ca.vertcat(*parts)
+        hip, length, ankle = ca.vertsplit(self.shifts(q[_KNEE]))
+        return ca.vertcat(q[:_PITCH], q[_PITCH] + hip, length - self.nominal, q[_ANKLE] + ankle)
 
+    @_each_leg
     def velocities(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Joint velocities of the prismatic legs."""
-        return self._apply(q, v, self.slopes)
+        hip, slide, ankle = ca.vertsplit(self.slopes(q[_KNEE]) * v[_KNEE])
+        return ca.vertcat(v[:_PITCH], v[_PITCH] + hip, slide, v[_ANKLE] + ankle)
 
+    @_each_leg
     def accelerations(self, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
         """Joint accelerations of the prismatic legs."""
-        parts = []
-        for leg, rate in _legs(q, v):
-            hip, slide, ankle = ca.vertsplit(self.curvatures(leg[_KNEE]) * rate[_KNEE] ** 2)
-            parts += [ca.SX.zeros(_PITCH), hip, slide, ankle]
-        return self._apply(q, a, self.slopes) + ca.vertcat(*parts)
+        hip, slide, ankle = ca.vertsplit(self.slopes(q[_KNEE]) * a[_KNEE])
+        linear = ca.vertcat(a[:_PITCH], a[_PITCH] + hip, slide, a[_ANKLE] + ankle)
+        return linear + ca.vertcat(ca.SX.zeros(_PITCH), self.curvatures(q[_KNEE]) * v[_KNEE] ** 2)
 
-    def _apply(self, q: ca.SX, v: ca.SX, slopes: ca.Function) -> ca.SX:
-        parts = []
-        for leg, rate in _legs(q, v):
-            hip, slide, ankle = ca.vertsplit(slopes(leg[_KNEE]) * rate[_KNEE])
-            parts += [rate[:_PITCH], rate[_PITCH] + hip, slide, rate[_ANKLE] + ankle]
-        return ca.vertcat(*parts)
-
+    @_each_leg
     def knee_torques(self, q: ca.SX, efforts: ca.SX) -> ca.SX:
         """Torques of the knee legs that do the work of prismatic efforts: Jᵀ τ_p."""
-        parts = []
-        for leg, effort in _legs(q, efforts):
-            knee = ca.dot(self.slopes(leg[_KNEE]), effort[_PITCH:])
-            parts += [effort[:_KNEE], knee, effort[_ANKLE]]
-        return ca.vertcat(*parts)
+        knee = ca.dot(self.slopes(q[_KNEE]), efforts[_PITCH:])
+        return ca.vertcat(efforts[:_KNEE], knee, efforts[_ANKLE])
 
+    @_each_leg
     def efforts(self, q: ca.SX, torques: ca.SX) -> ca.SX:
         """Prismatic efforts that do the work of the knee legs' torques: J⁻ᵀ τ_k."""
-        parts = []
-        for leg, torque in _legs(q, torques):
-            hip, slide, ankle = ca.vertsplit(self.slopes(leg[_KNEE]))
-            force = (torque[_KNEE] - hip * torque[_PITCH] - ankle * torque[_ANKLE]) / slide
-            parts += [torque[:_KNEE], force, torque[_ANKLE]]
-        return ca.vertcat(*parts)
-
-
-def _legs(*joints: ca.SX) -> Iterator[tuple[ca.SX, ...]]:
-    """Values of each leg (5,) of values of both (10,)."""
-    return zip(*(ca.vertsplit(each, LEG_JOINTS) for each in joints), strict=True)
+        hip, slide, ankle = ca.vertsplit(self.slopes(q[_KNEE]))
+        force = (torques[_KNEE] - hip * torques[_PITCH] - ankle * torques[_ANKLE]) / slide
+        return ca.vertcat(torques[:_KNEE], force, torques[_ANKLE])

@@ -13,7 +13,7 @@ import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.core.casadi_code import Source, interpreted
-from slider.gait.motion import mirrored
+from slider.gait.formulation import mirrored
 from slider.gait.outputs import ANKLE, LEG, NUM_JOINTS
 from slider.gait.rooted import NUM, RootedRobot
 

@@ -1,11 +1,9 @@
 """A gait at any velocity: blended Bézier coefficients (virtual constraints) of the gaits around it.
 
-Joints come from the blended polynomials, so that velocities are the derivatives of positions and
-positions are as smooth as a gait's own. What has no polynomial (the roll about the foot line, the
-motion of the base) is blended node by node. A blend of gaits is a reference to track; between the
-gaits it satisfies their constraints only approximately, and it is no periodic solution. Gaits
-solved with free joints (``gait.transcription=collocation``) come with fitted polynomials; a blend
-is then exact at their velocities only up to the error of the fit.
+Joints come from the blended polynomials, so that velocities are the derivatives of positions. The
+roll about the foot line and the motion of the base are blended node by node. Between the gaits a
+blend satisfies their constraints only approximately, and it is no periodic solution. With
+``gait.transcription=collocation`` the polynomials are fits, also at the gaits' velocities.
 """
 
 from dataclasses import dataclass
@@ -76,9 +74,8 @@ class Gait:
 def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> Gait:
     """Gait at a velocity [m/s, rad/s]: trilinear in the velocities around it, step times included.
 
-    At a velocity of the library it is that gait. It is continuous in the velocity everywhere: at
-    the border (velocities outside take the nearest velocity inside) and at holes and velocities
-    that only a part of the grid has (filled as in ``slider.library.mesh``).
+    At a velocity of the library it is that gait. It is continuous in the velocity everywhere;
+    the border and holes are as in ``slider.library.mesh``.
 
     Raises:
         ValueError: the velocity is not finite.

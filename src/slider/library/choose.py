@@ -1,11 +1,11 @@
-"""Arguments that select a gait library, and reading it."""
+"""Arguments that select a gait library, and its path."""
 
 import argparse
 from pathlib import Path
 
 from slider.artefacts.current import add_store_argument, current_folder
 from slider.artefacts.store import Store
-from slider.library.reader import STORE, GaitLibrary
+from slider.library.reader import STORE
 
 MAKE_LIBRARY = "snakemake -j2 gait_library"
 
@@ -18,15 +18,6 @@ def add_library_arguments(parser: argparse.ArgumentParser) -> None:
     add_store_argument(parser)
 
 
-def read_library(arguments: argparse.Namespace) -> GaitLibrary:
-    """Read the selected library.
-
-    Raises:
-        UserError: there is none yet, or the path holds none.
-    """
-    return GaitLibrary.load(library_path(arguments))
-
-
 def library_path(arguments: argparse.Namespace) -> Path:
     """Path of the selected library.
 
@@ -35,8 +26,7 @@ def library_path(arguments: argparse.Namespace) -> Path:
     """
     if arguments.library is not None:
         return arguments.library
-    store = Store(arguments.artefacts)
-    return current_folder(store, "library", MAKE_LIBRARY) / STORE
+    return current_folder(Store(arguments.artefacts), "library", MAKE_LIBRARY) / STORE
 
 
 def current_gaits(artefacts: Path) -> tuple[Path, Path]:

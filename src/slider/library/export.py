@@ -1,4 +1,7 @@
-"""One gait as CSV or NPZ, for other controllers; columns in ``docs/reference/gait-library.md``."""
+"""A gait or a library for people and other programs: summaries as text, one gait as CSV or NPZ.
+
+Columns of the files are in ``docs/reference/gait-library.md``.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,11 +9,102 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from slider.library import measures
 from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
-from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, SIDES
+from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, MOTORS, SIDES, velocity_text
+from slider.robot.transmission import Transmission
 
+_WORST = 5  # constraints that are shown by name
 _BASE_UNITS = ("m",) * 3 + ("1",) * 4 + ("m/s",) * 3 + ("rad/s",) * 3
 _WRENCH_UNITS = ("N",) * 3 + ("N m",) * 3
+
+
+def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
+    """Status, times, cost, peaks against the limits, worst residuals and clearance of a gait."""
+    arrays = library.arrays
+    first, second = arrays["step_time"][gait]
+    swing = arrays["swing_foot"][gait, :, 0]  # forward of the stance foot [m]
+    lines = [
+        f"gait {velocity_text(library.velocities[gait])}: {arrays['status'][gait]}, "
+        f"{arrays['iterations'][gait]} iterations",
+        f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
+        f"  step length  {swing[len(swing) // 2 - 1]:.3f} m, {swing[-1]:.3f} m forward",
+        f"  cost         {arrays['cost'][gait]:.6g} {library.cost_unit}",
+        f"  clearance    {100 * measures.clearance(library, gait):.1f} cm at mid-step "
+        "(lower end of the swing foot)",
+        "  peaks",
+    ]
+    torque, voltage = (shares[gait] for shares in measures.motor_shares(library))
+    limits = Transmission.of(library.robot).torque
+    for quantity, shares, most, unit in (
+        ("torque", torque, limits, "N m"),
+        ("voltage", voltage, np.ones_like(voltage), "of the bus"),
+    ):
+        motor = int(shares.argmax())
+        peak = f"{shares[motor] * most[motor]:8.2f} of {most[motor]:g} {unit}"
+        lines.append(
+            f"    {quantity:<12}{peak:<26}{f'{100 * shares[motor]:.0f} %':>6}  {MOTORS[motor]}"
+        )
+    lines.append("  worst residuals [SI unit of the constraint]")
+    residuals = arrays["residuals"][gait]
+    worst = np.argsort(-residuals, kind="stable")[:_WORST]
+    return lines + [f"    {library.constraints[i]:<24}{residuals[i]:.1e}" for i in worst]
+
+
+def library_lines(library: GaitLibrary) -> list[str]:
+    """Grid, convergence, holes with what they violate, ranges, worst residual, smoothness."""
+    mesh, arrays = library.mesh, library.arrays
+    torque, voltage = measures.motor_shares(library)
+    clearances = [100 * measures.clearance(library, i) for i in range(len(library))]
+    lines = [
+        f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
+        f"  vx {_axis(mesh.vx)} m/s",
+        f"  vy {_axis(mesh.vy)} m/s",
+        *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
+        *(f"  hole {velocity_text(hole.velocity)}: {hole.reason}" for hole in library.holes),
+        f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}",
+    ]
+    for name, values, unit in (
+        ("step time", arrays["step_time"], "s"),
+        ("cost", arrays["cost"], library.cost_unit),
+        ("iterations", arrays["iterations"], ""),
+        ("motor torque", 100 * torque.max(axis=1), "% of limit"),
+        ("motor voltage", 100 * voltage.max(axis=1), "% of the bus"),
+        ("slide speed", measures.slide_speed(library), "m/s"),
+        ("clearance", clearances, "cm"),
+    ):
+        spread = "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
+        lines.append(f"  {name:<18}{spread}  {unit}")
+    residuals = arrays["residuals"]
+    gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
+    at = f"{residuals.max():.1e} at {velocity_text(library.velocities[gait])}"
+    lines.append(f"  worst residual: {library.constraints[constraint]} {at}")
+    measured = measures.smoothness(library.velocities, arrays["samples"])
+    if not len(measured.pairs):
+        return [*lines, "  smoothness: no neighbouring gaits"]
+    *pair, channel = measured.worst
+    first, second = (velocity_text(library.velocities[index]) for index in pair)
+    jump = f"{100 * measured.largest:.1f} % of the range of {CHANNELS[channel]}"
+    return [*lines, f"  smoothness: greatest jump {jump}, between {first} and {second}"]
+
+
+def _axis(values: np.ndarray) -> str:
+    """Runs of equal steps: ``0 … 1.2 every 0.05, 1.3 … 3 every 0.1``."""
+    if len(values) == 1:
+        return f"{values[0]:g}"
+    texts, start = [], 0
+    steps = np.round(np.diff(values), 9)
+    while start < len(values):
+        stop = start
+        while stop < len(steps) and steps[stop] == steps[start]:
+            stop += 1
+        run = values[start : stop + 1]
+        if len(run) < 3:
+            texts += [f"{value:g}" for value in run]
+        else:
+            texts.append(f"{run[0]:g} … {run[-1]:g} every {run[1] - run[0]:.4g}")
+        start = stop + 1
+    return ", ".join(texts)
 
 
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
@@ -19,22 +113,20 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
     effort_units = ["N" if name.endswith("slide") else "N m" for name in JOINTS]
-    names = (
+    for array, labels, units in (
         ("samples", CHANNELS, CHANNEL_UNITS),
         ("base", [f"base_motion.{name}" for name in LABELS["base_channel"]], _BASE_UNITS),
         ("efforts", [f"{name}.effort" for name in JOINTS], effort_units),
         ("ground_wrench", [f"ground.{n}" for n in LABELS["wrench_component"]], _WRENCH_UNITS),
-    )
-    for array, labels, units in names:
-        for column, (label, unit) in enumerate(zip(labels, units, strict=True)):
-            columns[f"{label} [{unit}]"] = arrays[array][:, column]
+    ):
+        for label, unit, values in zip(labels, units, arrays[array].T, strict=True):
+            columns[f"{label} [{unit}]"] = values
     pd.DataFrame(columns).to_csv(path, index=False, float_format="%.10g", lineterminator="\n")
 
 
 def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write the library's arrays of one gait, without the axis of the gaits, and their labels."""
-    names = (*ARRAYS, *COORDINATES)
-    arrays = {name: library.arrays[name][gait] for name in names}
+    arrays = {name: library.arrays[name][gait] for name in (*ARRAYS, *COORDINATES)}
     labels = LABELS | {CONSTRAINT: library.constraints}
     texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in labels.items()}
     arrays["status"] = np.array(str(arrays["status"]))

@@ -124,22 +124,16 @@ def at_phase(times: StepTimes, table: Array, velocity: Array, phase: Array) -> A
     Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
     """
     samples, channels = table.shape[3:]
-    k, c = _sample(phase, samples)
+    xp, per_step = namespace(phase), samples // 2
+    step = xp.asarray(phase >= 0.5, dtype=xp.int64)
+    position = (2.0 * phase - step) * (per_step - 1)
+    node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
+    share, k = position - node, step * per_step + node  # the sample before, and the way to the next
     flat = table.reshape(-1, channels)
     result = zeros((len(velocity), channels), velocity)
     _, ny, nw = times.shape
     for (x, y, yaw_rate), weight in corners(times, velocity):
         row = ((x * ny + y) * nw + yaw_rate) * samples + k
-        result += (weight * (1 - c))[:, None] * flat[row]
-        result += (weight * c)[:, None] * flat[row + 1]
+        result += (weight * (1 - share))[:, None] * flat[row]
+        result += (weight * share)[:, None] * flat[row + 1]
     return result
-
-
-def _sample(phase: Array, samples: int) -> tuple[Array, Array]:
-    """Index of the sample before a phase, and the fraction of the way to the next."""
-    per_step = samples // 2
-    xp = namespace(phase)
-    step = xp.asarray(phase >= 0.5, dtype=xp.int64)
-    position = (2.0 * phase - step) * (per_step - 1)
-    node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
-    return step * per_step + node, position - node

@@ -25,16 +25,6 @@ def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
     return np.abs(torque).max(axis=1), np.abs(voltage).max(axis=1)
 
 
-def torque_share(library: GaitLibrary) -> np.ndarray:
-    """Greatest torque / limit (G,) over all motors [-]."""
-    return motor_shares(library)[0].max(axis=1)
-
-
-def voltage_share(library: GaitLibrary) -> np.ndarray:
-    """Greatest share (G,) of the torque-speed lines over all motors [-]."""
-    return motor_shares(library)[1].max(axis=1)
-
-
 def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
     return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
@@ -50,10 +40,9 @@ def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:
 
 def clearance(library: GaitLibrary, gait: int) -> float:
     """Height of the lower end of the swing foot at mid-step, the lower of the two steps [m]."""
-    heights = foot_heights(library, gait)
-    per_step = len(heights) // 2
-    middle = per_step // 2
-    return float(min(heights[middle, 1], heights[per_step + middle, 0]))
+    left, right = np.split(foot_heights(library, gait), 2)
+    middle = len(left) // 2
+    return float(min(left[middle, 1], right[middle, 0]))
 
 
 @dataclass(frozen=True)
@@ -75,13 +64,7 @@ class Smoothness:
 
     @property
     def worst(self) -> tuple[int, int, int]:
-        """First gait, second gait and channel of the greatest jump.
-
-        Raises:
-            ValueError: there are no neighbours.
-        """
-        if not len(self.pairs):
-            raise ValueError("expected at least two neighbouring gaits, found none")
+        """First gait, second gait and channel of the greatest jump."""
         pair, channel = np.unravel_index(self.jumps.argmax(), self.jumps.shape)
         first, second = self.pairs[pair]
         return int(first), int(second), int(channel)

@@ -60,16 +60,13 @@ class VelocityMesh(Axes):
     @classmethod
     def of(cls, velocities: np.ndarray) -> "VelocityMesh":
         """Mesh of gaits with velocities (G, 3)."""
-        values, places = zip(
-            *(np.unique(column, return_inverse=True) for column in velocities.T), strict=True
-        )
-        gait = np.full([len(axis) for axis in values], -1)
+        columns = [np.unique(column, return_inverse=True) for column in velocities.T]
+        axes, places = zip(*columns, strict=True)
+        gait = np.full([len(axis) for axis in axes], -1)
         gait[places] = np.arange(len(velocities))
-        weights = np.zeros((*gait.shape, len(velocities)))
-        for node in np.ndindex(gait.shape):
-            weights[node] = _node(velocities, gait, values, node)
-        vx, vy, yaw_rate = values
-        return cls(vx, vy, yaw_rate, weights)
+        nodes = [_node(velocities, gait, axes, node) for node in np.ndindex(gait.shape)]
+        vx, vy, yaw_rate = axes
+        return cls(vx, vy, yaw_rate, np.reshape(nodes, (*gait.shape, len(velocities))))
 
     def weights(self, velocity: np.ndarray) -> np.ndarray:
         """Weights (N, G) of the gaits at velocities (N, 3)."""
@@ -79,19 +76,6 @@ class VelocityMesh(Axes):
         return np.asarray(result)
 
 
-def cell(axis: Array, value: Array) -> tuple[Array, Array]:
-    """Index (N,) of the grid value below and the fraction (N,) above it; clamped outside."""
-    xp, last = namespace(value), len(axis) - 1
-    if not last:
-        return xp.zeros_like(value, dtype=xp.int64), xp.zeros_like(value)
-    inside = value.clip(axis[0], axis[-1])
-    below = (xp.searchsorted(axis, inside, side="right") - 1).clip(0, last)
-    slope = xp.concat([1.0 / (axis[1:] - axis[:-1]), xp.zeros_like(axis[:1])])
-    position = slope[below] * (inside - axis[below]) + below
-    index = xp.asarray(position, dtype=xp.int64).clip(None, last - 1)
-    return index, position - index
-
-
 def corners(axes: Axes, velocity: Array) -> list[tuple[Node, Array]]:
     """The nodes around velocities (N, 3), up to eight: their indices and trilinear weights (N,)."""
     sides = [_sides(axis, value) for axis, value in zip(axes, velocity.T, strict=True)]
@@ -99,28 +83,38 @@ def corners(axes: Axes, velocity: Array) -> list[tuple[Node, Array]]:
 
 
 def _sides(axis: Array, value: Array) -> list[tuple[Array, Array]]:
-    """Places (N,) below and above along an axis, and their weights; one place if it has no more."""
-    below, share = cell(axis, value)
-    if len(axis) == 1:
-        return [(below, namespace(value).ones_like(value))]
+    """Places (N,) below and above along an axis, and their weights; one place if it has no more.
+
+    Values outside are clamped.
+    """
+    xp, last = namespace(value), len(axis) - 1
+    if not last:
+        return [(xp.zeros_like(value, dtype=xp.int64), xp.ones_like(value))]
+    inside = value.clip(axis[0], axis[-1])
+    below = (xp.searchsorted(axis, inside, side="right") - 1).clip(0, last)
+    slope = xp.concat([1.0 / (axis[1:] - axis[:-1]), xp.zeros_like(axis[:1])])
+    position = slope[below] * (inside - axis[below]) + below
+    below = xp.asarray(position, dtype=xp.int64).clip(None, last - 1)
+    share = position - below
     return [(below, 1 - share), (below + 1, share)]
 
 
 def _node(
     velocities: np.ndarray, gait: np.ndarray, axes: Sequence[np.ndarray], node: tuple[int, ...]
 ) -> np.ndarray:
-    """Weights (G,) of one node."""
-    weights = np.zeros(len(velocities))
+    """Weights (G,) of one node; ``gait`` (nx, ny, nw) are the gaits of nodes, or −1."""
     if gait[node] >= 0:
-        weights[gait[node]] = 1.0
-        return weights
-    for number, axis in enumerate(axes):
+        return np.eye(len(velocities))[gait[node]]
+    weights = np.zeros(len(velocities))
+    for number, (axis, k) in enumerate(zip(axes, node, strict=True)):
         line = gait[(*node[:number], slice(None), *node[number + 1 :])]
-        pair = _bracket(line, axis, node[number])
-        if pair is not None:
-            first, second, fraction, span = pair
-            weights[first] += (1 - fraction) / span
-            weights[second] += fraction / span
+        solved = np.flatnonzero(line >= 0)
+        above = np.searchsorted(solved, k)
+        if 0 < above < len(solved):  # between two gaits
+            low, high = solved[above - 1], solved[above]
+            fraction = (axis[k] - axis[low]) / (axis[high] - axis[low])
+            weights[line[low]] += (1 - fraction) / (high - low)
+            weights[line[high]] += fraction / (high - low)
     if not weights.any():
         place = [axis[k] for axis, k in zip(axes, node, strict=True)]
         weights[distances(velocities, place).argmin()] = 1.0
@@ -131,17 +125,6 @@ def distances(velocities: np.ndarray, place: Sequence[float] | np.ndarray) -> np
     """Distances (G,) of velocities (G, 3) from one (3,); 1 rad/s counts as 1 m/s."""
     away = velocities - np.asarray(place)
     return np.hypot(np.hypot(away[:, 0], away[:, 1]), away[:, 2])
-
-
-def _bracket(line: np.ndarray, axis: np.ndarray, k: int) -> tuple[int, int, float, int] | None:
-    """Gaits before and after place k along an axis, the fraction between them, their span."""
-    there = np.flatnonzero(line >= 0)
-    before, after = there[there < k], there[there > k]
-    if not len(before) or not len(after):
-        return None
-    low, high = before[-1], after[0]
-    fraction = (axis[k] - axis[low]) / (axis[high] - axis[low])
-    return int(line[low]), int(line[high]), float(fraction), int(high - low)
 
 
 def aligned(base: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import zarr
-from scipy.spatial import KDTree
 
 from slider.config.convert import from_dict
 from slider.config.robot import Mechanism
@@ -240,11 +239,7 @@ class GaitLibrary:
 
     def nearest(self, velocity: np.ndarray) -> np.ndarray:
         """Index (N,) of the gait nearest to each velocity (N, 3); 1 rad/s counts as 1 m/s."""
-        return np.asarray(self._tree.query(velocity)[1])
-
-    @cached_property
-    def _tree(self) -> KDTree:
-        return KDTree(self.velocities)
+        return np.linalg.norm(velocity[:, None] - self.velocities, axis=2).argmin(axis=1)
 
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
         """Index of the gait of a velocity [m/s, rad/s].

@@ -1,7 +1,7 @@
 """The stage ``library``: collect all gaits in one Zarr store."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,15 +40,19 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(LibraryConfig, section["library"])
     folders = list(inputs["gaits"])
     reports = [json.loads((folder / REPORT).read_text(encoding="utf-8")) for folder in folders]
+    columns = (*VELOCITY, "status", "iterations", "cost", "max_violation")
+    table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
+    volatile = job.input_volatile.get("gaits", [{}] * len(reports))
+    table["solve_cpu"] = [facts.get("solve_cpu") for facts in volatile]
+    job.tracker.log_table(table, "gaits")
     good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
     holes = [report for i, report in enumerate(reports) if i not in good]
-    _log(reports, job)
     if not good or (holes and not config.allow_holes):
         raise UserError(_describe(holes, len(good)))
-    about = {name: section[name] for name in ORIGIN}
-    about["holes"] = [_hole(report, config) for report in holes]
-    about["cost_unit"] = reports[good[0]]["cost_unit"]
-    write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
+    attributes = {name: section[name] for name in ORIGIN}
+    attributes["holes"] = [_hole(report, config.max_violation) for report in holes]
+    attributes["cost_unit"] = reports[good[0]]["cost_unit"]
+    _write(out / STORE, [folders[i] for i in good], [reports[i] for i in good], attributes)
     return {
         "gaits": len(good),
         "holes": [_velocity(report) for report in holes],
@@ -56,14 +60,23 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     }
 
 
-def write_library(
-    path: Path, folders: Sequence[Path], reports: Sequence[Report], about: dict[str, Any]
+def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
+    """Whether a gait counts as converged: for IPOPT, and by its worst residual."""
+    return report["converged"] and report["max_violation"] <= max_violation
+
+
+def _write(
+    path: Path, folders: Sequence[Path], reports: Sequence[Report], attributes: dict[str, Any]
 ) -> None:
     """Write gaits to a Zarr store; the same gaits give the same bytes.
 
-    ``about`` holds the attributes ``ORIGIN`` and ``OUTCOME``. Zarr's settings are its defaults,
-    whatever variables (``ZARR_…``) and files say.
+    Zarr's settings are its defaults, whatever variables (``ZARR_…``) and files say.
     """
+    constraints = tuple(reports[0]["residuals"])
+    columns = {name: _column(reports, name) for name in (*_SCALARS, *COORDINATES)}
+    columns["velocities"] = np.array([_velocity(report) for report in reports])
+    residuals = [[report["residuals"][name] for name in constraints] for report in reports]
+    columns["residuals"] = np.array(residuals)
     with zarr.config.set(zarr.config.defaults[0]):
         group = zarr.open_group(path, mode="w", zarr_format=3)
         group.attrs.update(
@@ -74,32 +87,21 @@ def write_library(
                 "channel_units": list(CHANNEL_UNITS),
                 "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
                 "coordinates": " ".join(COORDINATES),  # as xarray reads it
-                **about,
+                **attributes,
             }
         )
-        for name, values, axes, unit in _arrays(folders, reports):
+
+        def create(name: str, values: np.ndarray, axes: tuple[str, ...], unit: str) -> None:
             array = group.create_array(name, data=values, chunks=values.shape, dimension_names=axes)
             array.attrs["units"] = unit
 
-
-def _arrays(
-    folders: Sequence[Path], reports: Sequence[Report]
-) -> Iterator[tuple[str, np.ndarray, tuple[str, ...], str]]:
-    """Name, values, axes and unit of each array of the store."""
-    constraints = list(reports[0]["residuals"])
-    from_reports = {name: _column(reports, name) for name in _SCALARS}
-    from_reports["velocities"] = np.array([_velocity(report) for report in reports])
-    residuals = [[report["residuals"][name] for name in constraints] for report in reports]
-    from_reports["residuals"] = np.array(residuals)
-    for name, array in ARRAYS.items():
-        values = from_reports.get(name)
-        if values is None:
-            values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
-        yield name, values, ("gait", *array.axes), array.unit
-    for name, array in COORDINATES.items():
-        yield name, _column(reports, name), ("gait",), array.unit
-    for name, labels in (LABELS | {CONSTRAINT: tuple(constraints)}).items():
-        yield name, np.array(labels, dtype=_TEXT), (name,), "name"
+        for name, array in (ARRAYS | COORDINATES).items():
+            values = columns.get(name)
+            if values is None:
+                values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
+            create(name, values, ("gait", *array.axes), array.unit)
+        for name, labels in (LABELS | {CONSTRAINT: constraints}).items():
+            create(name, np.array(labels, dtype=_TEXT), (name,), "name")
 
 
 def _velocity(report: Report) -> list[float]:
@@ -108,27 +110,21 @@ def _velocity(report: Report) -> list[float]:
 
 def _column(reports: Sequence[Report], name: str) -> np.ndarray:
     values = [report[name] for report in reports]
-    return np.array(values, dtype=_TEXT) if isinstance(values[0], str) else np.array(values)
+    return np.array(values, dtype=_TEXT if isinstance(values[0], str) else None)
 
 
-def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
+def _hole(report: Report, max_violation: float) -> dict[str, Any]:
     """Attributes of a gait that did not converge, with the constraints that it violates."""
     names = (*VELOCITY, "status", "iterations", "max_violation")
-    violated = [name for name, v in report["residuals"].items() if v > config.max_violation]
-    worst_first = sorted(violated, key=lambda name: -report["residuals"][name])
-    return {name: report[name] for name in names} | {
-        "violated": [_beyond(report, name) for name in worst_first]
-    }
+    residuals = report["residuals"]
+    worst_first = sorted(residuals, key=lambda name: -residuals[name])
+    violated = [_beyond(report, name) for name in worst_first if residuals[name] > max_violation]
+    return {name: report[name] for name in names} | {"violated": violated}
 
 
 def _beyond(report: Report, name: str) -> str:
     """A constraint, its worst value and its bound."""
     return f"{name} {report['worst'][name]} ({report['residuals'][name]:.1e} beyond)"
-
-
-def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
-    """Whether a gait counts as converged: for IPOPT, and by its worst residual."""
-    return report["converged"] and report["max_violation"] <= max_violation
 
 
 def _describe(holes: Sequence[Report], good: int) -> str:
@@ -146,11 +142,3 @@ def _describe(holes: Sequence[Report], good: int) -> str:
         "without them: --config hydra='library.allow_holes=true'; their velocities then get gaits "
         "interpolated from those around them, or the nearest at the border"
     )
-
-
-def _log(reports: Sequence[Report], job: Job) -> None:
-    columns = (*VELOCITY, "status", "iterations", "cost", "max_violation")
-    table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
-    volatile = job.input_volatile.get("gaits", [{}] * len(reports))
-    table["solve_cpu"] = [facts.get("solve_cpu") for facts in volatile]
-    job.tracker.log_table(table, "gaits")

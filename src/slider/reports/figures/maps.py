@@ -74,12 +74,13 @@ def draw_velocity_maps(library: GaitLibrary) -> Figure:
 
 def library_maps(library: GaitLibrary) -> list[VelocityMap]:
     """Cost, step time, base height and use of the drives."""
+    torque, voltage = (100 * shares.max(axis=1) for shares in measures.motor_shares(library))
     return [
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
         VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
         VelocityMap("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
-        VelocityMap("motor torque", 100 * measures.torque_share(library), "% of limit"),
-        VelocityMap("motor voltage", 100 * measures.voltage_share(library), "% of the bus"),
+        VelocityMap("motor torque", torque, "% of limit"),
+        VelocityMap("motor voltage", voltage, "% of the bus"),
         VelocityMap("slide speed", measures.slide_speed(library), "m/s"),
     ]
 

@@ -125,7 +125,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.094, 0.2))
     root = 0.5**0.5
     step_time = config.gait.step_time.lower, config.gait.step_time.upper
-    assert step_time == pytest.approx((0.25 * root, 0.42 * root))
+    assert step_time == pytest.approx((0.25 * root, 0.32 * root))
     assert config.gait.touchdown.forward == pytest.approx(0.3 * root)
     assert config.gait.posture.torso_rate == pytest.approx(1.0 / root)
     assert mpc.whole_body.force_max == pytest.approx(1200.0)

@@ -32,8 +32,8 @@ def test_the_documentation_names_every_constraint():
         ("legs_apart", 1.0, "legs_apart"),
         ("torso_rate", 1e-3, "torso_rate"),
         ("torso_pitch", 1e-4, "torso"),
-        ("swing_height", 0.01, "clearance"),
-        ("foot_separation_max", 0.05, "foot_separation"),
+        ("swing_height", 0.053, "clearance"),
+        ("foot_separation_max", 0.13, "foot_separation"),
     ],
 )
 def test_a_bound_of_the_configuration_bounds_the_rows_of_that_name(key, value, name):

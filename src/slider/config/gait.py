@@ -63,7 +63,7 @@ class StepTime:
     law: Literal["free", "fixed", "speed"]
     """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
     value: t.Positive[t.Seconds]
-    """duration of the laws fixed and speed"""
+    """duration of the laws fixed and speed, clipped to the bounds"""
     slope: Annotated[float, t.Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
     """change with the speed"""
 
@@ -200,7 +200,7 @@ class SolveConfig:
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
     decoupling_min: Annotated[float, t.Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
     """least singular value of the decoupling matrix, per share of the motors' torque limits"""
-    step_time: Annotated[StepTime, t.ordered("lower", "value", "upper")]
+    step_time: Annotated[StepTime, t.ordered("lower", "upper")]
     solver: SolverConfig
 
 

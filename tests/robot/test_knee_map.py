@@ -49,7 +49,7 @@ def test_paper_variant_is_the_matrix_as_printed():
     np.testing.assert_allclose(speed.length, -2 * L1 * L2 * np.cos(THETA) * 2)
 
 
-@pytest.mark.parametrize("variant", knee_map.VARIANTS)
+@pytest.mark.parametrize("variant", ["exact", "paper"])
 def test_both_legs_are_converted_each_by_itself_and_upper_feet_rest(variant):
     rng, robot = np.random.default_rng(2), config().robot
     q, v = rng.uniform(0.1, 1.2, (2, 7, 10))

@@ -77,6 +77,7 @@ class BatchedPhysics:
         self.models = self.model
         self._disturber: Disturber | None = None
         self.terrain: Terrain | None = None
+        self._ground: Ground = FLAT
         seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
             robots, on_terrain = None, uneven(disturbance.config)
@@ -86,6 +87,7 @@ class BatchedPhysics:
             if on_terrain:  # robots of all seeds share one table of tiles
                 table = Draws(seeds[:1], 1).generators(TILES, 0)[0].uniform(-1, 1, (TABLE, TABLE))
                 self.terrain = Terrain(disturbance.config.terrain, robot, self.models, table)
+                self._ground = self.terrain.ground
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots, ground=self.terrain
             )
@@ -247,11 +249,7 @@ class BatchedPhysics:
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
         state = read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
-        return state if self.terrain is None else replace(state, ground=self._ground)
-
-    @property
-    def _ground(self) -> Ground:
-        return FLAT if self.terrain is None else self.terrain.ground
+        return replace(state, ground=self._ground)
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise, or estimated."""

@@ -95,24 +95,18 @@ class RandomizedModels:
             model.body_mass[self._base] += float(new.payload[i])
             model.body_inertia[:] = mass * nominal.body_inertia
             model.body_ipos[self._base] = nominal.body_ipos[self._base] + new.shift[i]
-            self._set_motors(model, new.gain[i])
+            # Torque scales at every voltage while the on-board loop keeps its volts: MuJoCo turns
+            # the demanded torque into volts with the resistance, and the gains make up for that.
+            gain, parameters = new.gain[i], nominal.actuator_gainprm
+            model.actuator_gainprm[:, RESISTANCE] = parameters[:, RESISTANCE] / gain
+            for column in GAIN_COLUMNS:
+                model.actuator_gainprm[:, column] = parameters[:, column] * gain
+            model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
             if new.friction is not None:
                 model.geom_friction[self._feet, SLIDING] = new.friction[i]
             mujoco.mj_setConst(model, self._data)
             self.masses[i] = float(model.body_mass.sum())
         self.motor_gain[index] = new.gain[index]
-
-    def _set_motors(self, model: mujoco.MjModel, gain: np.ndarray) -> None:
-        """Scale the torque at every voltage; the on-board loop keeps its volts.
-
-        MuJoCo turns the demanded torque into volts with the resistance: the scaled gains make up
-        for that. A demanded torque is scaled by the caller instead.
-        """
-        nominal = self._nominal
-        model.actuator_gainprm[:, RESISTANCE] = nominal.actuator_gainprm[:, RESISTANCE] / gain
-        for column in GAIN_COLUMNS:
-            model.actuator_gainprm[:, column] = nominal.actuator_gainprm[:, column] * gain
-        model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
 
 
 def _within(interval: Interval, uniform: Any) -> Any:

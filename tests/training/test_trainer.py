@@ -223,20 +223,6 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
     assert [torch.equal(exported, weight) for weight in judged] == [False, True, False]
 
 
-@pytest.mark.parametrize("part", ["actor_ema", "checks"])
-def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
-    walking = config(*TINY).train.walking
-    choices = {
-        "actor_ema": [{"ppo": replace(walking.ppo, actor_ema=share)} for share in (0.0, 0.9)],
-        "checks": [{"selection": replace(walking.selection, interval=k)} for k in (1, 2)],
-    }
-    one, other = (
-        actor(trained(tmp_path / str(k), iterations=4, **changes).trainer)
-        for k, changes in enumerate(choices[part])
-    )
-    assert same(one, other)
-
-
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
     trainer = trained(tmp_path, iterations=1).trainer
     facts = trainer.export(tmp_path)

@@ -125,6 +125,11 @@ def test_a_killed_training_goes_on_where_it_was(tmp_path):
     third = trained(tmp_path, iterations=5)
     assert third.iterations == []
     assert same(actor(third.trainer), actor(second.trainer))
+    one, other = (run.trainer.algorithm.save() for run in (second, third))
+    assert same(one["critic_state_dict"], other["critic_state_dict"])
+    moments = [content["optimizer_state_dict"]["state"][0]["exp_avg"] for content in (one, other)]
+    assert moments[0].abs().max() > 0
+    assert torch.equal(*moments)
 
 
 def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):

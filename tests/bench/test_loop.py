@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from slider.bench.loop import measure_task
+from slider.bench.loop import measure
 from slider.cli import main
 from tests.library.gaits import write_store
 from tests.training.test_trainer import task
@@ -14,8 +14,8 @@ from tests.training.test_trainer import task
 def test_rates_and_shares_are_of_the_same_run(simulator):
     if simulator == "mujoco_warp":
         pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
-    row = measure_task(task(robots=8, simulator=simulator), 1, seconds=0.05, rounds=2)
-    assert min(row.environment.cpu, row.loop.cpu) > 0
+    row = measure(task(robots=8, simulator=simulator), 1, seconds=0.05, rounds=2)
+    assert min(*row.environment, *row.loop) > 0
     assert sum(row.parts.values()) == pytest.approx(1.0)
     assert {"physics", "state", "observation", "reward", "policy", "update"} <= row.parts.keys()
     assert min(row.parts.values()) > 0

@@ -164,37 +164,6 @@ def test_tensors_give_what_arrays_give():
             np.testing.assert_allclose(other.numpy(), one, atol=1e-12)
 
 
-def test_legs_that_move_in_the_air_carry_nothing():
-    physics = physics_with(PERFECT)
-    stand(physics)
-    physics.qpos[:, 2] += 20.0
-    forces = []
-    for step in range(60):
-        physics.step(4.0 * sway(step))
-        estimate = physics.measure(physics.read())
-        forces.append(estimate.foot_forces)
-    assert np.abs(physics.qvel[:, 6:]).max() > 0.5, "the legs move"
-    assert np.max(forces) == 0.0
-
-
-def test_uneven_ground_leaves_place_and_height_where_they_are():
-    physics = stand(physics_with(PERFECT, "tiles", 1.0), 0.2)
-    true = physics.read()
-    estimate = physics.measure(true)
-    assert estimate.ground.flat
-    np.testing.assert_allclose(estimate.base_position[:, :2], true.base_position[:, :2], atol=0.01)
-    np.testing.assert_allclose(estimate.base_height, true.base_height, atol=0.012)
-
-
-def test_controllers_at_other_rates_meet_the_same_errors():
-    found = []
-    for substeps in (1, 4):
-        physics = stand(disturbed_physics(COUNT, substeps=substeps, onboard=ONBOARD), 0.2)
-        true = physics.read()
-        found.append(physics.measure(true).joint_positions - true.joint_positions)
-    np.testing.assert_allclose(*found, atol=1e-12)
-
-
 def scans(
     sensors: SensorsConfig, kind: str = "slope_up", steps: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:

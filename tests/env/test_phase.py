@@ -53,13 +53,6 @@ def test_stays_at_the_next_change_of_feet_at_zero_command(start, end):
     assert phases[-1] == phases[-2] == end
 
 
-def test_goes_on_with_any_command():
-    for command in ([0.1, 0.0, 0.0, 0.0], [0.0, 0.1, 0.0, 0.0], [0.0, 0.0, -0.2, 0.0]):
-        halting = run(make_clock(HALT, 0.3), command, 60)
-        np.testing.assert_array_equal(halting, run(make_clock(NEVER, 0.3), command, 60))
-        assert np.ptp(halting) > 0.5
-
-
 def test_steps_until_it_is_slow_and_again_when_it_is_pushed():
     clock = make_clock(HALT, 0.3)
     free = run(make_clock(NEVER, 0.3), STAND, 60)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.env import SensingConfig
-from slider.env.sensing import with_noise
+from slider.env.disturbance import with_noise
 from slider.env.state import RobotState
 from slider.robot import names
 from tests.env.synthetic import disturbed_physics, make_arrays, stand
@@ -73,16 +73,3 @@ def rate_noise(physics) -> np.ndarray:
     """Error of the measured speeds of the hinges (N, 10) [rad/s]."""
     true = physics.read()
     return (physics.measure(true).joint_velocities - true.joint_velocities)[:, ~SLIDES]
-
-
-def test_every_number_disturbs_one_quantity():
-    """No two of them share their noise."""
-    config = SensingConfig(**dict.fromkeys(SILENT, 0.02))
-    true = make_arrays(34)
-    noisy = with_noise(true, config, np.eye(34))
-    changed = [
-        (np.abs(value(noisy) - value(true)) > 0.01).reshape(34, -1).sum(axis=1)
-        for value in VALUES.values()
-    ]
-    np.testing.assert_array_equal(np.sum(changed, axis=0), 1)
-    assert np.sum(changed, axis=1).tolist() == [10, 2, 10, 2, 3, 3, 3, 1]

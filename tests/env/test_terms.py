@@ -11,14 +11,13 @@ import torch
 import yaml
 
 from pipeline.entry import open_pipeline
-from pipeline.stages import all_jobs
 from slider.cli import main
 from slider.config.reference import kind
 from slider.control.layout import describe
 from slider.core.errors import UserError
 from slider.env import observations, rewards, terminations
 from slider.env.declaration import Needs
-from slider.env.rewards import RewardView, reward
+from slider.env.rewards import RewardView
 from slider.env.terms import check_clock, checked, uses_library
 from tests.control.policies import make_policy
 from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
@@ -108,20 +107,6 @@ def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(do
         "components": ["left", "right"],
         "meaning": "Vertical ground reaction of each foot.",
     }
-
-
-def test_a_reworded_meaning_is_exported_anew_and_trains_nothing(monkeypatch):
-    before = all_jobs(config("experiment=test"))
-    monkeypatch.setattr(observations.base_height, "__doc__", "Height of the trunk.")
-    after = all_jobs(config("experiment=test"))
-    assert after["policy_export"].section["meanings"]["base_height"] == "Height of the trunk."
-    changed = {name for name, job in after.items() if job.recipe != before[name].recipe}
-    assert changed == {"policy_export"}
-
-
-def test_a_name_is_taken_once():
-    with pytest.raises(ValueError, match="expected a new name for a term, found alive again"):
-        reward()(rewards.alive)
 
 
 def test_every_parameter_of_a_term_has_its_unit():

@@ -23,7 +23,6 @@ from tests.env.synthetic import (
     make_arrays,
     make_guide,
     make_view,
-    momentum,
     robot_config,
     stand,
 )
@@ -182,22 +181,6 @@ def test_a_start_fits_the_ground_which_carries_the_robot(kind):
     np.testing.assert_allclose(force, physics.masses * 9.81, rtol=0.2)
 
 
-@pytest.mark.parametrize("friction", [0.05, 0.1])
-def test_a_robot_slides_down_a_slope_by_coulombs_law(friction):
-    """Momentum along the slope and normal to it: a_t = g sin θ − μ (g cos θ + a_n)."""
-    more = (f"friction={{lower: {friction}, upper: {friction}}}",)
-    physics = stand(on("slope_down", level=10.0, more=more))
-    held, before = physics.qpos[:, 7:].copy(), momentum(physics)
-    for _ in range(5):
-        physics.step(held)
-    gained = (momentum(physics) - before) / physics.masses[:, None] / (5 * physics.period)
-    angle = np.radians(12.5)
-    along = gained[:, 0] * np.cos(angle) - gained[:, 2] * np.sin(angle)
-    normal = gained[:, 0] * np.sin(angle) + gained[:, 2] * np.cos(angle)
-    expected = 9.81 * np.sin(angle) - friction * (9.81 * np.cos(angle) + normal)
-    np.testing.assert_allclose(along, expected, rtol=0.03)
-
-
 def test_boxes_follow_feet_that_walk_on():
     physics = stand(on("stairs_up", "tiles", "field"))
     for step in range(30):  # carried over the ground, feet down
@@ -212,16 +195,6 @@ def test_boxes_follow_feet_that_walk_on():
         for foot in state.foot_positions[robot, :, :2]:
             here = ground_of(physics).height(np.tile(foot, (COUNT, 1)))[robot]
             assert abs(_ray(model, foot) - here) < 0.003
-
-
-def test_flat_robots_among_others_are_as_on_the_plane():
-    physics, plain = stand(on("flat", "tiles")), stand(disturbed_physics(COUNT))
-    for each in (physics, plain):
-        each.qvel[:, 0] = 0.3
-        for _ in range(10):
-            each.step(np.zeros((COUNT, names.NUM_JOINTS)))
-    np.testing.assert_allclose(physics.qpos[::2, :7], plain.qpos[::2, :7], atol=4e-3)
-    assert not physics.read().ground.height(np.ones((COUNT, 2)))[::2].any()
 
 
 def ramp(slope: float = 0.1) -> UnevenGround:
@@ -294,21 +267,3 @@ def test_levels_go_up_with_a_walk_and_down_with_a_fall():
     drawn = levels.levels[[0, 2, 4]]
     assert ((drawn >= 2.0) & (drawn <= 4.0)).all()
     assert np.ptp(drawn) > 0.1
-
-
-def test_levels_are_drawn_within_their_interval():
-    text = "terrain={kinds: [step_up], level: {lower: 1.0, upper: 3.0}, curriculum: false}"
-    physics = stand(disturbed_physics(60, text))
-    levels = physics.terrain.levels
-    assert levels.min() >= 1.0
-    assert levels.max() <= 3.0
-    assert np.ptp(levels) > 1.7
-
-
-def test_drives_that_are_late_hold_the_pose_on_the_slope():
-    physics = stand(on("slope_up", level=10.0, more=("delay={lower: 0.1, upper: 0.1}",)))
-    held = physics.qpos[:, 7:].copy()
-    physics.step(np.zeros((COUNT, names.NUM_JOINTS)))  # arrives later
-    ankle = names.JOINTS.index("left_ankle")
-    np.testing.assert_allclose(physics.qpos[:, 7 + ankle], held[:, ankle], atol=5e-3)
-    assert np.abs(held[:, ankle]).min() > 0.2

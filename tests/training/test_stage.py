@@ -10,7 +10,6 @@ from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
-from slider.env.terms import uses_library
 from slider.training.stage import run_walking
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
@@ -35,24 +34,6 @@ def section(*overrides: str) -> Section:
 def library(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("library")
     return write_store(folder, [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)]).parent
-
-
-@pytest.mark.parametrize(
-    ("overrides", "standing", "walking"),
-    [
-        ((), True, True),
-        (ALONE, False, False),
-        ((*ALONE, "train/walking/reward=default"), False, True),
-        ((*ALONE, "train.walking.reset.reference_fraction=0.1"), False, True),
-        ((*ALONE, "env/phase=clock"), True, True),
-        ((*ALONE, "env.action.offset=gait"), True, True),
-        (("env=paper", "train/standing=paper", "train/walking=paper"), False, True),
-    ],
-)
-def test_who_needs_a_library(overrides, standing, walking):
-    whole = config(*TINY, *overrides)
-    assert uses_library(whole.env, whole.train.standing) == standing
-    assert uses_library(whole.env, whole.train.walking) == walking
 
 
 def test_trains_with_neither_library_nor_standing_policy(tmp_path):

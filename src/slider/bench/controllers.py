@@ -4,7 +4,6 @@ import argparse
 import os
 import time
 from collections import defaultdict
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -24,26 +23,7 @@ from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.library.choose import current_gaits
 
-_PARTS = ("model", "assembly", "solution", "footsteps", "physics")
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Processor time per robot and tick [µs].
-
-    Attributes:
-        whole: of a rollout: controller, physics, records.
-        parts: of the controller, and of the steps of the physics.
-    """
-
-    whole: float
-    parts: dict[str, float]
-
-    def line(self, name: str, speed: float) -> str:
-        """One row of the table."""
-        values = [self.parts.get(part, 0.0) for part in _PARTS]
-        columns = "".join(f"{value:11.1f}" for value in (self.whole, *values))
-        return f"{name:<16}{speed:>10.1f}{columns}"
+_PARTS = ("whole", "model", "assembly", "solution", "footsteps", "physics")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
     keep_freed_memory()
     print(f"{machine()}; 1 thread, load {os.getloadavg()[0]:.1f} before the start")
     print("µs per robot and tick\n" + f"{'controller':<16}{'vx [m/s]':>10}", end="")
-    print("".join(f"{part:>11}" for part in ("whole", *_PARTS)), flush=True)
+    print("".join(f"{part:>11}" for part in _PARTS), flush=True)
     for name in arguments.controllers:
         gaits = None
         if isinstance(config.control[name], HzdControlConfig):
@@ -84,7 +64,8 @@ def run(arguments: argparse.Namespace) -> None:
             gaits = EnforcedGaits.load(*loaded, enforced_section(config.hzd))
         for speed in arguments.vx:
             cost = measure(config, name, gaits, arguments.robots, speed, arguments.seconds)
-            print(cost.line(name, speed), flush=True)
+            columns = "".join(f"{cost.get(part, 0.0):11.1f}" for part in _PARTS)
+            print(f"{name:<16}{speed:>10.1f}{columns}", flush=True)
 
 
 def measure(
@@ -94,8 +75,12 @@ def measure(
     robots: int,
     speed: float,
     seconds: float,
-) -> Cost:
-    """Roll a controller out at a forward speed [m/s] from the protocol's starts."""
+) -> dict[str, float]:
+    """Roll a controller out at a forward speed [m/s] from the protocol's starts.
+
+    Returns:
+        Processor time per robot and tick [µs] by part; ``whole`` is the rollout with its records.
+    """
     env, control = config.env, config.control[name]
     plant = env.plant
     physics = build_plant(config.robot, plant, control, robots)
@@ -113,7 +98,6 @@ def measure(
     start_time = time.process_time()
     with timed(methods, spent):
         roll_out(controller, physics, plant, start, velocities, seconds)
-    used = time.process_time() - start_time
+    spent["whole"] = time.process_time() - start_time
     ticks = robots * round(seconds / physics.period)
-    parts = {name: 1e6 * part / ticks for name, part in spent.items()}
-    return Cost(1e6 * used / ticks, parts)
+    return {name: 1e6 * part / ticks for name, part in spent.items()}

@@ -4,7 +4,7 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,30 +13,10 @@ from slider.config.gait import FormulationConfig, GaitConfig
 from slider.config.robot import RobotConfig
 from slider.gait.formulation import Formulation
 from slider.gait.problem import build
-from slider.gait.solve import GaitSolver, Solve
+from slider.gait.solve import GaitSolver
 
 VELOCITIES = ((0.0, 0.0), (0.3, 0.1), (0.6, 0.0), (0.9, -0.05), (1.2, 0.0))
 _HEADER = "nodes  gaits  build  solve median / max [s CPU]  iterations  per iteration  in functions"
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """CPU times [s] of one problem and of its solves."""
-
-    nodes: int
-    build: float
-    solves: list[Solve]
-
-    def line(self) -> str:
-        """One row of the table."""
-        cpu = np.array([solve.cpu for solve in self.solves])
-        iterations = [sum(one.iterations for one in solve.attempts) for solve in self.solves]
-        functions = sum(sum(solve.evaluations.values()) for solve in self.solves)
-        return (
-            f"{self.nodes:5d}  {len(cpu):5d}  {self.build:5.2f}  "
-            f"{np.median(cpu):12.2f} / {cpu.max():<10.2f}  {np.median(iterations):10.0f}  "
-            f"{1e3 * cpu.sum() / sum(iterations):10.1f} ms  {functions / cpu.sum():10.0%}"
-        )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,16 +38,22 @@ def run(arguments: argparse.Namespace) -> None:
     print(_HEADER)
     for nodes in arguments.nodes:
         config = compose([*arguments.overrides, f"gait.nodes={nodes}"], arguments.conf)
-        print(measure(config.robot, config.gait, VELOCITIES).line(), flush=True)
+        print(measure(config.robot, config.gait, VELOCITIES), flush=True)
 
 
-def measure(
-    robot: RobotConfig, gait: GaitConfig, velocities: Sequence[tuple[float, float]]
-) -> Measurement:
-    """Build a problem once and solve it cold for each velocity [m/s]."""
+def measure(robot: RobotConfig, gait: GaitConfig, velocities: Sequence[tuple[float, float]]) -> str:
+    """Build a problem once and solve it cold for each velocity [m/s]; a row of the table."""
     start = time.process_time()
     settings = {field.name: getattr(gait, field.name) for field in fields(FormulationConfig)}
     problem = build(Formulation(robot, FormulationConfig(**settings)))
     solver = GaitSolver(problem, gait.solver, gait.step_time)
     built = time.process_time() - start
-    return Measurement(gait.nodes, built, [solver.solve(*velocity) for velocity in velocities])
+    solves = [solver.solve(*velocity) for velocity in velocities]
+    cpu = np.array([solve.cpu for solve in solves])
+    iterations = [sum(one.iterations for one in solve.attempts) for solve in solves]
+    functions = sum(sum(solve.evaluations.values()) for solve in solves)
+    return (
+        f"{gait.nodes:5d}  {len(cpu):5d}  {built:5.2f}  "
+        f"{np.median(cpu):12.2f} / {cpu.max():<10.2f}  {np.median(iterations):10.0f}  "
+        f"{1e3 * cpu.sum() / sum(iterations):10.1f} ms  {functions / cpu.sum():10.0%}"
+    )

@@ -11,21 +11,22 @@ import io
 import math
 import os
 import resource
-import statistics
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from slider.bench import timed
 from slider.core.errors import UserError
 from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
-    from slider.config.schema import Config
+    from slider.config.train import TrainConfig
     from slider.env.vec_env import Task, WalkingEnv
 
 _STEPS = 24  # control steps of the environment between two looks at the clock
@@ -47,10 +48,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print a row per number of environments, then the shares of the parts."""
-    _check(arguments)
+    threads = 1 if arguments.threads is None else arguments.threads
+    limits = {"envs": min(arguments.envs), "rounds": arguments.rounds, "threads": threads}
+    for name, value in limits.items():
+        if value < 1:
+            raise UserError(f"--{name}: expected at least 1, found {value}")
+    if not 0 < arguments.seconds < math.inf:
+        raise UserError(f"--seconds: expected a positive number, found {arguments.seconds}")
     from slider.artefacts.runner import limit_threads
     from slider.config.compose import compose
-    from slider.core.machine import device, machine
+    from slider.core.machine import device, machine, precision
     from slider.env.terms import checked
 
     overrides = list(arguments.overrides)
@@ -58,18 +65,24 @@ def run(arguments: argparse.Namespace) -> None:
         key = "train.walking"
         overrides += [f"{key}.simulator=mujoco_warp", f"{key}.device={arguments.device}"]
     config = checked(compose(overrides, arguments.conf))
-    on_processor = device(config.train.walking.device) == "cpu"
+    walking = config.train.walking
+    where = device(walking.device)
+    ppo = replace(walking.ppo, precision=precision(walking.ppo.precision, where))
+    walking = replace(walking, device=where, ppo=ppo)
     library = library_path(arguments)
     threads = arguments.threads or config.resources.threads or 1
     limit_threads(threads)  # before torch, as for a job of the pipeline
+    from slider.env.vec_env import task_of
+
     print(f"{machine()}; {threads} threads, load {os.getloadavg()[0]:.1f} before the start")
     print(_HEADER, flush=True)
     rows = []
-    for num_envs in arguments.envs:
-        row = measure(config, library, threads, num_envs, arguments.seconds, arguments.rounds)
+    for robots in arguments.envs:
+        task = task_of(config.robot, config.env, replace(walking, robots=robots), library)
+        row = measure(task, threads, arguments.seconds, arguments.rounds)
         rows.append(row)
         print(row.line(), flush=True)
-    if on_processor:  # on a GPU the host's time is that of launches
+    if where == "cpu":  # on a GPU the host's time is that of launches
         print("\nshares of the processor time of the training")
         for row in rows:
             parts = sorted(row.parts.items(), key=lambda item: -item[1])
@@ -79,67 +92,28 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"\nlargest memory {peak:.2f} GiB, load {os.getloadavg()[0]:.1f} at the end")
 
 
-def _check(arguments: argparse.Namespace) -> None:
-    threads = 1 if arguments.threads is None else arguments.threads
-    limits = {"envs": min(arguments.envs), "rounds": arguments.rounds, "threads": threads}
-    for name, value in limits.items():
-        if value < 1:
-            raise UserError(f"--{name}: expected at least 1, found {value}")
-    if not 0 < arguments.seconds < math.inf:
-        raise UserError(f"--seconds: expected a positive number, found {arguments.seconds}")
-
-
-@dataclass(frozen=True)
-class Rate:
-    """Control steps of one robot, per second of time and per second of processor time."""
-
-    wall: float
-    cpu: float
-
-    def __str__(self) -> str:
-        return f"{self.wall / 1e3:7.1f} ({self.cpu / 1e3:5.1f})"
-
-
 @dataclass(frozen=True)
 class Throughput:
     """Medians over rounds for one number of environments.
 
     Attributes:
-        environment: the environment's ``step``.
-        loop: training iterations, everything included.
+        environment: control steps of the environment, per second of wall and of processor time.
+        loop: the same of training iterations, everything included.
         parts: share of the training's processor time by part.
     """
 
     num_envs: int
-    environment: Rate
-    loop: Rate
+    environment: tuple[float, float]
+    loop: tuple[float, float]
     parts: dict[str, float]
 
     def line(self) -> str:
         """One row of the table: steps per second, in brackets per second of processor time."""
-        return f"{self.num_envs:6d}  {self.environment}  {self.loop}"
+        rates = (f"{w / 1e3:7.1f} ({c / 1e3:5.1f})" for w, c in (self.environment, self.loop))
+        return f"{self.num_envs:6d}  {'  '.join(rates)}"
 
 
-def measure(
-    config: "Config",
-    library: Path,
-    threads: int,
-    num_envs: int,
-    seconds: float,
-    rounds: int,
-) -> Throughput:
-    """Measure the walking training with ``num_envs`` robots."""
-    from slider.core.machine import device, precision
-    from slider.env.vec_env import task_of
-
-    walking = config.train.walking
-    where = device(walking.device)
-    ppo = replace(walking.ppo, precision=precision(walking.ppo.precision, where))
-    train = replace(walking, robots=num_envs, device=where, ppo=ppo)
-    return measure_task(task_of(config.robot, config.env, train, library), threads, seconds, rounds)
-
-
-def measure_task(task: "Task", threads: int, seconds: float, rounds: int) -> Throughput:
+def measure(task: "Task", threads: int, seconds: float, rounds: int) -> Throughput:
     """Measure environment and training by turns, ``rounds`` times, ``seconds`` [s] each."""
     import torch
 
@@ -152,40 +126,36 @@ def measure_task(task: "Task", threads: int, seconds: float, rounds: int) -> Thr
     env = WalkingEnv(task, threads, simulator(task.train))
     spent: dict[str, float] = defaultdict(float)
     with tempfile.TemporaryDirectory() as folder:
-        work = _stepping(env, task), _learning(env, task, Path(folder), spent)
+        work = _stepping(env, task.train), _learning(env, task.train, folder, spent)
         for once in work:  # first calls allocate
             once()
         spent.clear()
         rates = [[_rate(once, seconds) for once in work] for _ in range(rounds)]
-    environment, loop = map(_median, zip(*rates, strict=True))
+    environment, loop = np.median(rates, axis=0).tolist()
     total = sum(spent.values())
     parts = {name: part / total for name, part in spent.items()}
-    return Throughput(task.train.robots, environment, loop, parts)
+    return Throughput(task.train.robots, tuple(environment), tuple(loop), parts)
 
 
-def _stepping(env: "WalkingEnv", task: "Task") -> Callable[[], int]:
+def _stepping(env: "WalkingEnv", train: "TrainConfig") -> Callable[[], int]:
     """Function that steps the environment and returns the control steps done."""
     import torch
 
-    from slider.robot.names import NUM_JOINTS
-    from slider.training.distributed import device_of
-
-    shape = _STEPS, task.train.robots, NUM_JOINTS
-    noise = task.train.network.initial_std * torch.randn(shape)
-    actions = noise.to(device_of(task.train.device))
+    shape = _STEPS, train.robots, env.num_actions
+    actions = (train.network.initial_std * torch.randn(shape)).to(env.device)
 
     def step() -> int:
         with torch.inference_mode():
             for now in actions:
                 rewards = env.step(now)[1]
             float(rewards.sum())  # waits for the device
-        return _STEPS * task.train.robots
+        return _STEPS * train.robots
 
     return step
 
 
 def _learning(
-    env: "WalkingEnv", task: "Task", folder: Path, spent: dict[str, float]
+    env: "WalkingEnv", train: "TrainConfig", folder: str, spent: dict[str, float]
 ) -> Callable[[], int]:
     """Function that trains for an iteration, adds to ``spent``, and returns the control steps."""
     from rsl_rl.runners import OnPolicyRunner
@@ -194,12 +164,16 @@ def _learning(
     from slider.training.distributed import device_of
     from slider.training.ppo import runner_config
 
-    train = task.train
     config = runner_config(train, NoTracker(), [])
     with contextlib.redirect_stdout(io.StringIO()):
-        runner = OnPolicyRunner(env, config, log_dir=str(folder), device=device_of(train.device))
+        runner = OnPolicyRunner(env, config, log_dir=folder, device=device_of(train.device))
     runner.save = lambda *_, **__: None  # a training saves once in many iterations
-    methods = env.methods | {
+    methods = {
+        "physics": (env.physics, "step"),
+        "state": (env.physics, "read"),
+        "observation": (env.agent, "observe"),
+        "reward": (env, "reward"),
+        "environment": (env, "step"),
         "policy": (runner.alg, "act"),
         "storage": (runner.alg, "process_env_step"),
         "returns": (runner.alg, "compute_returns"),
@@ -215,13 +189,13 @@ def _learning(
     return learn
 
 
-def _rate(once: Callable[[], int], seconds: float) -> Rate:
-    """Call ``once``, which returns the control steps done, for at least ``seconds`` [s]."""
+def _rate(once: Callable[[], int], seconds: float) -> tuple[float, float]:
+    """Call ``once``, which returns the control steps done, for at least ``seconds`` [s].
+
+    Returns:
+        Steps per second of wall and of processor time.
+    """
     wall, cpu, steps = time.perf_counter(), time.process_time(), 0
     while time.perf_counter() - wall < seconds:
         steps += once()
-    return Rate(steps / (time.perf_counter() - wall), steps / (time.process_time() - cpu))
-
-
-def _median(rates: Sequence[Rate]) -> Rate:
-    return Rate(*(statistics.median(getattr(r, clock) for r in rates) for clock in ("wall", "cpu")))
+    return steps / (time.perf_counter() - wall), steps / (time.process_time() - cpu)

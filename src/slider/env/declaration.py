@@ -37,8 +37,8 @@ class Term:
     @property
     def parameters(self) -> dict[str, Any]:
         """Types of its parameters in order, with their units and bounds."""
-        hints = inspect.get_annotations(self.function)
-        return {name: hints[name] for name in list(inspect.signature(self.function).parameters)[1:]}
+        hints = list(inspect.get_annotations(self.function).items())
+        return dict(hints[1:-1])  # the first is the view's, the last that of the result
 
 
 AnyTerm = TypeVar("AnyTerm", bound=Term)

@@ -8,26 +8,27 @@ disturbances are on.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import astuple, dataclass
-from functools import partial
-from typing import Any, Protocol
+from dataclasses import astuple, dataclass, replace
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from slider.config.env import DisturbanceConfig
+from slider.config.env import DisturbanceConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env import ground, randomization, terrain
-from slider.env.sensing import NUMBERS, with_noise
-from slider.env.starts import NUMPY
+from slider.env import randomization, terrain
+from slider.env.starts import NUMPY, SLIDES, turned
 from slider.env.state import RobotState
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
+from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 
 # Uses of random numbers.
 ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES, SCAN, SCAN_BIAS, DROP_OUT = range(10)
+NUMBERS = 2 * NUM_JOINTS + 10  # standard normal numbers per robot of with_noise
 _STREAM = 81  # keeps these generators apart from others of the same seed
 
 
@@ -68,11 +69,11 @@ class Draws:
         shape, like, xp = (self._block, columns), self._like, namespace(self._like)
         if isinstance(like, np.ndarray):
             return xp.concat([getattr(g, of_numpy)(size=shape) for g in self.generators(use, time)])
-        draw = partial(getattr(xp, of_torch), shape, dtype=like.dtype, device=like.device)
         generator, blocks = xp.Generator(device=like.device), []
+        options = {"generator": generator, "dtype": like.dtype, "device": like.device}
         for key in self._keys(use, time):
             generator.manual_seed(int(np.random.SeedSequence(key).generate_state(1, np.uint64)[0]))
-            blocks.append(draw(generator=generator))
+            blocks.append(getattr(xp, of_torch)(shape, **options))
         return xp.concat(blocks)
 
     def generators(self, use: int, time: int) -> list[np.random.Generator]:
@@ -98,36 +99,20 @@ def uneven(config: DisturbanceConfig) -> bool:
     return set(config.terrain.kinds) != {"flat"}
 
 
-def build_terrain(
-    disturbance: Disturbance, robot: RobotConfig, models: list[mujoco.MjModel]
-) -> terrain.Terrain:
-    """The grounds of robots with a model each; all seeds share one table of tiles."""
-    generator = Draws(disturbance.seeds[:1], 1).generators(TILES, 0)[0]
-    table = generator.uniform(-1.0, 1.0, (ground.TILES, ground.TILES))
-    return terrain.Terrain(disturbance.config.terrain, robot, models, table)
-
-
-class Models(Protocol):
-    """Models of robots that differ, drawn again per robot and episode; of arrays or of tensors.
-
-    Attributes:
-        motor_gain: (N, 10) by which demanded torques are scaled [-].
-    """
-
-    motor_gain: Any
-
-    @property
-    def masses(self) -> Any:
-        """Of the robots (N,) [kg]."""
-
-    def draw(self, index: Any, uniform: Any, /) -> None:
-        """Draw robots ``index`` again by numbers (N, ``randomization.COLUMNS``) in [0, 1)."""
-
-
 class Disturber:
     """Late drives, pushes, terrain and noisy sensors of N robots, which may differ.
 
     All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
+
+    Args:
+        disturbance: what disturbs the robots.
+        robot: for its motors.
+        model: of the nominal robot.
+        actuation: of the drives.
+        count: number of robots N.
+        robots: ``RandomizedModels`` or ``WarpModels``; none where all are nominal.
+        like: an array of the library, precision and device to compute with.
+        ground: under the robots; none where all are on flat ground.
     """
 
     def __init__(
@@ -137,22 +122,10 @@ class Disturber:
         model: mujoco.MjModel,
         actuation: Actuation,
         count: int,
-        robots: Models | None = None,
+        robots: Any = None,
         like: Any = NUMPY,
         ground: terrain.Terrain | None = None,
     ) -> None:
-        """Disturb ``count`` robots with the drives of ``model``.
-
-        Args:
-            disturbance: what disturbs them.
-            robot: for its motors.
-            model: of the nominal robot.
-            actuation: of the drives.
-            count: number of robots N.
-            robots: how they differ; none where all are nominal.
-            like: an array of the library, precision and device to compute with.
-            ground: under the robots; none where all are on flat ground.
-        """
         config = disturbance.config
         self._config, self._count, self._like = config, count, like
         self._timestep, self._mass = float(model.opt.timestep), float(model.body_mass.sum())
@@ -266,3 +239,38 @@ class DelayLine:
         now = xp.arange(count, device=control.device)
         robot = xp.arange(len(control), device=control.device)
         return line[robot[:, None], self._upper - self.steps[:, None] + now]
+
+
+def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> RobotState:
+    """The state with noise of standard normal numbers (N, 34).
+
+    Terminations and metrics use the true state. So do rewards, but for the low-passed velocity and
+    the heading error, which are the agent's own.
+
+    The orientation is turned about the base's axes, and everything that follows from it as well.
+    The horizontal place of the base, feet and contacts are as they are.
+    """
+    xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
+    positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
+    quaternion = turned(state.quaternion, config.orientation * base[:, :3])
+    rotation = rotation_from_quaternion(quaternion)
+    yaw = yaw_of(rotation)
+    linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
+    position = 1.0 * state.base_position
+    position[:, 2] += config.base_height * base[:, 9]
+    spread = np.where(SLIDES, config.slide_position, config.joint_position)
+    rate = np.where(SLIDES, config.slide_velocity, config.joint_velocity)
+    spread, rate = asarray(spread, normal), asarray(rate, normal)
+    return replace(
+        state,
+        base_position=position,
+        quaternion=quaternion,
+        rotation=rotation,
+        yaw=yaw,
+        linear_velocity=linear,
+        angular_velocity=state.angular_velocity + config.angular_velocity * base[:, 6:9],
+        heading_velocity=turn_to_heading(xp.einsum("nij,nj->ni", rotation, linear), yaw),
+        gravity=-rotation[:, 2, :],
+        joint_positions=state.joint_positions + spread * positions,
+        joint_velocities=state.joint_velocities + rate * velocities,
+    )

@@ -14,12 +14,12 @@ from typing import NamedTuple
 from slider.config.env import EstimatorConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.env.starts import SLIDES
 from slider.robot.bodies import prismatic_bodies, total_mass
 from slider.robot.kinematics import FootMotion, foot_motion
-from slider.robot.names import GRAVITY, JOINTS
+from slider.robot.names import GRAVITY
 from slider.robot.transmission import Transmission, leg_inertia
 
-_SLIDES = [index for index, name in enumerate(JOINTS) if name.endswith("slide")]
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
 
 
@@ -61,7 +61,7 @@ class Estimate(NamedTuple):
 
 
 class SlidingLeg(NamedTuple):
-    """What the force of a foot follows from.
+    """Constants of the force of a foot.
 
     Attributes:
         weight: of the robot [N].
@@ -105,7 +105,7 @@ class StateEstimator:
         self, config: EstimatorConfig, robot: RobotConfig, count: int, like: Array
     ) -> None:
         self._config, self._geometry = config, robot.geometry
-        self._slide_efforts = asarray(Transmission.of(robot).matrix[:, _SLIDES], like)
+        self._slide_efforts = asarray(Transmission.of(robot).matrix[:, SLIDES], like)
         self._leg = SlidingLeg.of(robot)
         self._velocity, self._position = zeros((2, count, 3), like)
         self._variance = zeros((count, 2), like)  # of a velocity component, of the height
@@ -141,7 +141,11 @@ class StateEstimator:
         forces = self._foot_forces(measured, feet, elapsed)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
         # A foot of certainty c has the variance of leg odometry over c².
-        certainty = self._certainty(forces, leg_heights)
+        # It follows from the foot's force, at first from its height.
+        low, high = config.lifted, config.loaded
+        loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
+        lower = leg_heights >= xp.amax(leg_heights, 1)[:, None]
+        certainty = xp.where(self._fresh[:, None], 1.0 * lower, loaded)
         information = certainty**2 / (1.0 + slip)
         total = information.sum(1)
         share = information / total.clip(1e-12, None)[:, None]
@@ -156,7 +160,7 @@ class StateEstimator:
         self._velocity = xp.where(due, velocity, self._velocity)
         self._position = xp.where(due, position, self._position)
         self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
-        self._rates = xp.where(due, rates[:, _SLIDES], self._rates)
+        self._rates = xp.where(due, rates[:, SLIDES], self._rates)
         self._forces = xp.where(due, forces, self._forces)
         self._fresh = self._fresh & False
         lifted = config.lifted * self._leg.weight
@@ -169,9 +173,9 @@ class StateEstimator:
         The angular acceleration of the leg, and forces across it, are left out.
         """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
-        rates = measured.joint_velocities[:, _SLIDES]
+        rates = measured.joint_velocities[:, SLIDES]
         pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, feet.axes)
-        leg, slides = self._leg, measured.joint_positions[:, _SLIDES]
+        leg, slides = self._leg, measured.joint_positions[:, SLIDES]
         pull = leg.mass * pull / period + (leg.moment + leg.mass * slides) * feet.turning**2
         force = measured.motor_torques @ self._slide_efforts
         change = (rates - self._rates) / period
@@ -180,13 +184,6 @@ class StateEstimator:
         follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
         force = self._forces + follow * (force * feet.axes[..., 2] - self._forces)
         return xp.where(self._fresh[:, None], 0.0, force)
-
-    def _certainty(self, forces: Array, heights: Array) -> Array:
-        """How certainly a foot stands (N, 2) in [0, 1]: by its force, at first by its height."""
-        xp, (low, high) = namespace(forces), (self._config.lifted, self._config.loaded)
-        loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
-        lower = heights >= xp.amax(heights, 1)[:, None]
-        return xp.where(self._fresh[:, None], 1.0 * lower, loaded)
 
 
 def _odometry(feet: FootMotion) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,30 +19,6 @@ _FADE = 0.3  # from its level start to its full height a field has this [m]
 _WAVES = 2 * math.pi * np.array([[0.8, 0.15], [-0.3, 0.7], [0.6, -0.9], [1.1, 0.6]])
 _SHARES = np.array([0.4, 0.3, 0.2, 0.1])
 _WHOLE = ("table", "flat")  # of all robots
-
-
-class Ground(Protocol):
-    """Height of the ground under each of N robots."""
-
-    @property
-    def flat(self) -> bool:
-        """Whether it is z = 0 everywhere."""
-        ...
-
-    def height(self, points: Array, gaps: bool = True) -> Array:
-        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m].
-
-        Without ``gaps`` the ground goes on level over them, where a foot should not be.
-        """
-        ...
-
-    def gradient(self, points: Array) -> Array:
-        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
-        ...
-
-    def of(self, robots: Array) -> "Ground":
-        """The ground under ``robots`` (n,) of the N."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -98,10 +74,14 @@ class UnevenGround:
     flat: bool = False
 
     def height(self, points: Array, gaps: bool = True) -> Array:
-        """Heights (N, ...) [m] at points (N, ..., 2) [m]; see :class:`Ground`."""
+        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m].
+
+        Without ``gaps`` the ground goes on level over them, where a foot should not be.
+        """
         plane = (self._wide(self.slope, points) * points).sum(-1)
         depth = DEPTH if gaps else 0.0
-        return plane + self._bar(points, depth) + self._tile(points) + self._field(points)[0]
+        tiles = self.tile(namespace(points).floor(points / CELL + 0.5))
+        return plane + self._bar(points, depth) + tiles + self._field(points)[0]
 
     def gradient(self, points: Array) -> Array:
         """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
@@ -133,9 +113,6 @@ class UnevenGround:
         level = (abs(cells) <= 1.0).all(-1)
         return self._wide(self.tiles, cells) * self.table[index[..., 0], index[..., 1]] * ~level
 
-    def _tile(self, points: Array) -> Array:
-        return self.tile(namespace(points).floor(points / CELL + 0.5))
-
     def _field(self, points: Array) -> tuple[Array, Array]:
         """Heights (N, ...) and gradients (N, ..., 2) of the waves, which fade in from the start."""
         xp, waves = namespace(points), self._wide(self.waves, points)
@@ -148,6 +125,9 @@ class UnevenGround:
         wave = waves * (xp.sin(phases) @ shares)
         gradient = waves[..., None] * ((xp.cos(phases) * shares) @ vectors)
         return fade * wave, fade[..., None] * gradient + (steep * wave)[..., None] * points
+
+
+Ground: TypeAlias = FlatGround | UnevenGround
 
 
 @dataclass(frozen=True)

@@ -114,21 +114,17 @@ class Guide:
             view: N robots.
             masked: leave the passive channels out.
         """
+        command = view.gait_velocity
+        if self._nearest:
+            gait = self._nearest_gait(command)
+            samples, norms = self._samples[gait], self._norms[masked][gait]
+        else:
+            samples = self._table.channels(command).to(torch.float32)
+            norms = ((samples[:, :, self._active] if masked else samples) ** 2).sum(dim=2)
         observed = observed_channels(view).to(torch.float32)
-        samples, norms = self._samples_for(view, masked)
         if masked:
             observed, samples = observed[:, self._active], samples[:, :, self._active]
         # ‖o − g‖² = ‖o‖² − 2 o·g + ‖g‖², which needs no (N, 42, 26) difference.
         product = torch.einsum("nk,nsk->ns", observed, samples)
         square = (observed**2).sum(dim=1)[:, None] - 2.0 * product + norms
         return square.amin(dim=1).clip(min=0.0).sqrt().to(view.state.yaw.dtype)
-
-    def _samples_for(self, view: View, masked: bool) -> tuple[Array, Array]:
-        """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
-        command = view.gait_velocity
-        if self._nearest:
-            gait = self._nearest_gait(command)
-            return self._samples[gait], self._norms[masked][gait]
-        samples = self._table.channels(command).to(torch.float32)
-        counted = samples[:, :, self._active] if masked else samples
-        return samples, (counted**2).sum(dim=2)

@@ -46,8 +46,8 @@ def observe(
 
     Args:
         forces: of the feet (N, T, 2) [N].
-        ends: lowest points of heel and toe (N, T, 2, 2, 3) [m], in the ground's world.
-        velocities: of the foot at these points (N, T, 2, 2, 3) [m/s].
+        ends, velocities: lowest points of heel and toe [m] in the ground's world, and velocities of
+            the foot there [m/s], (N, T, 2, 2, 3).
         distances: of pairs of parts of the two legs (N, T, pairs) [m].
         ground: below the robots.
     """

@@ -116,15 +116,12 @@ class AgentInterface:
         action = reflect(action, self._mirrored(), _PERMUTATION, _SIGN)
         self.previous_action = self.action
         self.action = action.where(self._scale > 0, 0.0)
-        return (self._origin() + self._scale * self.action).clip(self._lower, self._upper)
-
-    def _origin(self) -> torch.Tensor:
-        """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
-        if self._reference is None or self.clock is None:
-            return self.nominal
-        velocity = gait_velocity_of(self.reference_velocity, self.command)
-        origin, halted = self._reference.at(velocity, self.clock.phase), self.clock.halted
-        return self._reference.standing.where(halted[:, None], origin)
+        origin = self.nominal  # (12,), or (N, 12) on gaits or standing
+        if self._reference is not None and self.clock is not None:
+            velocity = gait_velocity_of(self.reference_velocity, self.command)
+            gait = self._reference.at(velocity, self.clock.phase)
+            origin = self._reference.standing.where(self.clock.halted[:, None], gait)
+        return (origin + self._scale * self.action).clip(self._lower, self._upper)
 
     def advance(self, state: RobotState) -> None:
         """Move clock, heading target, reference and velocity filters on by one control period."""
@@ -180,7 +177,7 @@ class AgentInterface:
         """Robots whose observations and actions are reflected: those in right stance."""
         if self.clock is None or not self._config.phase.mirror:
             return self._none_halted
-        return ~self.clock.left_stance
+        return self.clock.phase >= 0.5
 
 
 def _norm(vectors: torch.Tensor) -> torch.Tensor:

@@ -134,6 +134,7 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     bounces = landings(forces > CONTACT_FORCE)[tick:]
     settled = Contacts(*(series[tick:] for series in recording.contacts))
     loaded = recording.foot_forces[first:] > CONTACT_FORCE
+    heights = np.where(loaded, 0.0, recording.foot_positions[first:][..., 2])
     distance = recording.contacts.leg_distance
     left, right = np.moveaxis(recording.foot_positions, 2, 0)
     apart = turn_to_heading(left - right, recording.yaw)[..., 1]
@@ -143,7 +144,7 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
         "touchdown_rate": touchdown.sum(axis=2).mean(axis=0) * per_second,
         "contact_rate": bounces.sum(axis=2).mean(axis=0) * per_second,
         "alternation": _alternation(touchdown, TOGETHER / recording.timestep),
-        "clearance": _clearance(recording.foot_positions[first:], loaded),
+        "clearance": np.percentile(heights, 90, axis=0).mean(axis=1),
         "slip": _slip(settled),
         "heading": np.abs(heading_error(recording)).max(axis=0),
         "asymmetry": _asymmetry(touchdown),
@@ -203,11 +204,6 @@ def _cost_of_transport(recording: Recording, first: int) -> np.ndarray:
     speed = np.abs(recording.velocity[first:, :, 0].mean(axis=0))
     power = recording.power[first:].mean(axis=0) / recording.weight
     return np.divide(power, speed, out=np.full_like(power, np.inf), where=speed > 0)
-
-
-def _clearance(positions: np.ndarray, contact: np.ndarray) -> np.ndarray:
-    heights = np.where(contact, 0.0, positions[..., 2])
-    return np.percentile(heights, 90, axis=0).mean(axis=1)
 
 
 def _slip(contacts: Contacts) -> np.ndarray:

@@ -29,16 +29,16 @@ class Mirror:
     permutation: tuple[int, ...]
     sign: tuple[float, ...]
 
-    @classmethod
-    def of(cls, *sign: float) -> "Mirror":
-        """Values that stay where they are."""
-        return cls(tuple(range(len(sign))), sign)
+
+def _in_place(*sign: float) -> Mirror:
+    """Of values that stay where they are."""
+    return Mirror(tuple(range(len(sign))), sign)
 
 
 _XYZ = ("x", "y", "z")
-_POLAR = Mirror.of(1.0, -1.0, 1.0)  # vectors: y flips
-_AXIAL = Mirror.of(-1.0, 1.0, -1.0)  # angular velocities: x and z flip
-_LEVEL = Mirror.of(1.0, -1.0)  # forward and leftward
+_POLAR = _in_place(1.0, -1.0, 1.0)  # vectors: y flips
+_AXIAL = _in_place(-1.0, 1.0, -1.0)  # angular velocities: x and z flip
+_LEVEL = _in_place(1.0, -1.0)  # forward and leftward
 _LEGS = Mirror(MIRROR_PERMUTATION, MIRROR_SIGN)
 
 
@@ -57,10 +57,6 @@ class Observation(Term):
     units: str | tuple[str, ...]
     frame: Frame
     mirror: Mirror | Callable[[ObservationConfig], Mirror]
-
-    def mirror_in(self, config: ObservationConfig) -> Mirror:
-        """Its reflection in an environment."""
-        return self.mirror if isinstance(self.mirror, Mirror) else self.mirror(config)
 
     @property
     def meaning(self) -> str:
@@ -128,7 +124,7 @@ def projected_gravity(view: View) -> Array:
     ("vx", "vy", "yaw_rate", "heading_error"),
     ("m/s", "m/s", "rad/s", "rad"),
     "heading",
-    Mirror.of(1.0, -1.0, -1.0, -1.0),
+    _in_place(1.0, -1.0, -1.0, -1.0),
 )
 def command(view: View) -> Array:
     """Commands; heading_error = (target - yaw) wrapped to [-pi, pi).
@@ -166,7 +162,7 @@ def action_before_previous(view: View) -> Array:
     return view.previous_action
 
 
-@observation(("z",), "m", "world", Mirror.of(1.0))
+@observation(("z",), "m", "world", _in_place(1.0))
 def base_height(view: View) -> Array:
     """Height of the base's origin above the ground minus nominal_height."""
     return view.state.base_height[:, None] - view.nominal_height
@@ -200,7 +196,7 @@ def velocity_error(view: View) -> Array:
     return (error / VELOCITY_ERROR_RANGE).tanh()
 
 
-@observation(("sin", "cos"), "-", "none", Mirror.of(-1.0, -1.0), Needs.CLOCK)
+@observation(("sin", "cos"), "-", "none", _in_place(-1.0, -1.0), Needs.CLOCK)
 def phase(view: View) -> Array:
     """Sine and cosine of 2 pi times the clock; 0, 0 when halted."""
     angle = 2.0 * np.pi * view.phase  # half a walk later the other leg is in stance: signs flip
@@ -242,15 +238,15 @@ class Observer:
         check_names(TERMS, config.terms, "env.observation.terms")
         self._clip = config.clip
         self._terms = [(TERMS[name].function, scale) for name, scale in config.terms.items()]
-        mirrors = {name: TERMS[name].mirror_in(config) for name in config.terms}
-        self.layout = {name: len(mirror.sign) for name, mirror in mirrors.items()}
-        self.size = sum(self.layout.values())
-        self.permutation = self._stack([np.array(m.permutation) for m in mirrors.values()])
-        self.sign = np.concatenate([mirror.sign for mirror in mirrors.values()])
-
-    def _stack(self, permutations: list[np.ndarray]) -> np.ndarray:
-        starts = np.cumsum([0, *self.layout.values()])[:-1]
-        return np.concatenate([p + start for p, start in zip(permutations, starts, strict=True)])
+        self.layout, permutations, signs, self.size = {}, [], [], 0
+        for name in config.terms:
+            mirror = TERMS[name].mirror
+            mirror = mirror if isinstance(mirror, Mirror) else mirror(config)
+            permutations.append(self.size + np.array(mirror.permutation))
+            signs.append(mirror.sign)
+            self.layout[name] = len(mirror.sign)
+            self.size += len(mirror.sign)
+        self.permutation, self.sign = np.concatenate(permutations), np.concatenate(signs)
 
     def __call__(self, view: View, mirrored: Array) -> Array:
         """Observations (N, size) float32; those of ``mirrored`` (N,) robots are reflected."""
@@ -263,7 +259,11 @@ def _side_by_side(*parts: Array) -> Array:
     return namespace(parts[0]).concat(parts, dim=1)
 
 
+def reflected(values: Array, permutation: Any, sign: Any) -> Array:
+    """Values (N, K) in the mirror: those of the permutation, times their signs."""
+    return values[:, permutation] * asarray(sign, values)
+
+
 def reflect(values: Array, mirrored: Array, permutation: np.ndarray, sign: np.ndarray) -> Array:
     """Values (N, K), with those of ``mirrored`` (N,) robots reflected."""
-    reflected = values[:, permutation] * asarray(sign, values)
-    return reflected.where(mirrored[:, None], values)
+    return reflected(values, permutation, sign).where(mirrored[:, None], values)

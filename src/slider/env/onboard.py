@@ -1,25 +1,30 @@
 """Sensors on board of the robots, and the state that is estimated from them."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 
 from slider.config.env import OnboardConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance import BIAS, DROP_OUT, READING, SCAN, SCAN_BIAS, Draws
+from slider.env.disturbance import (
+    BIAS,
+    DROP_OUT,
+    NUMBERS,
+    READING,
+    SCAN,
+    SCAN_BIAS,
+    Draws,
+    with_noise,
+)
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.ground import FLAT, ScannedGround
-from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
+from slider.env.starts import SLIDES, turned
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
 from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
 
 _READING = NUMBERS + 3  # standard normal numbers of a reading
 _BIASES = 9 + NUM_JOINTS + len(MOTORS)
-_SHARED = (
-    *("joint_position", "slide_position", "joint_velocity", "slide_velocity"),
-    *("angular_velocity", "orientation"),
-)
 
 
 class OnboardState:
@@ -42,11 +47,8 @@ class OnboardState:
         like: Array,
     ) -> None:
         self._sensors, self._like, self._count = config.sensors, like, count
-        self._noise = SensingConfig(
-            **{name: getattr(config.sensors, name) for name in _SHARED},
-            linear_velocity=0.0,
-            base_height=0.0,
-        )
+        shared = {f.name: getattr(config.sensors, f.name, 0.0) for f in fields(SensingConfig)}
+        self._noise = SensingConfig(**shared)
         self._estimator = StateEstimator(config.estimator, robot, count, like)
         self._draws = Draws(seeds, count, like)
         self.restart()

@@ -76,11 +76,6 @@ class Clock:
         """Whether robots stand at zero command, instead of stepping in place."""
         return self._halt.below > 0
 
-    @property
-    def left_stance(self) -> Array:
-        """Whether the left foot should carry the robot (N,)."""
-        return self.phase < 0.5
-
 
 def gait_velocity_of(reference: Array, command: Array) -> Array:
     """Command (N, 3) of the gait in use: reference velocity (N, 2), commanded yaw rate."""

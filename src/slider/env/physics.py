@@ -7,7 +7,6 @@ import ctypes
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,17 +16,17 @@ from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
 from slider.env import randomization
-from slider.env.disturbance import Disturbance, Disturber, build_plant, build_terrain, uneven
+from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, uneven
 from slider.env.ground import FLAT, Ground
+from slider.env.ground import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
-from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, read_state
+from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.env.terrain import Terrain
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission, by_motor
 
-_FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _CONTROL, _APPLIED = mujoco.mjtState.mjSTATE_CTRL, mujoco.mjtState.mjSTATE_QFRC_APPLIED
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
 
@@ -78,13 +77,17 @@ class BatchedPhysics:
         self.models = self.model
         self._disturber: Disturber | None = None
         self.terrain: Terrain | None = None
+        self._ground: Ground = FLAT
+        seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
             robots, on_terrain = None, uneven(disturbance.config)
             if on_terrain or randomization.vary(disturbance.config):
                 robots = randomization.RandomizedModels(self.model, disturbance.config, num_robots)
                 self.models = robots.models
-                if on_terrain:
-                    self.terrain = build_terrain(disturbance, robot, robots.models)
+            if on_terrain:  # robots of all seeds share one table of tiles
+                table = Draws(seeds[:1], 1).generators(TILES, 0)[0].uniform(-1, 1, (TABLE, TABLE))
+                self.terrain = Terrain(disturbance.config.terrain, robot, self.models, table)
+                self._ground = self.terrain.ground
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots, ground=self.terrain
             )
@@ -94,32 +97,20 @@ class BatchedPhysics:
         self.period = config.substeps * config.timestep
         self._data = [mujoco.MjData(self.model) for _ in range(threads)]
         self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
-        self._rest = self._rest_state()
+        self._rest = np.concatenate([[0.0], self.nominal, np.zeros(self.model.nv)])
         self._state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
         self._series = self._state[:, None], self._sensors[:, None]
         self._onboard: OnboardState | None = None
         if onboard is not None:
-            seeds = (0,) if disturbance is None else disturbance.seeds
             self._onboard = OnboardState(onboard, robot, seeds, num_robots, self._rest)
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._retired = np.zeros(num_robots, dtype=bool)
-        self._index = SensorIndex(self.model)
-        self._instruments = _Instruments(self.model) if instruments else None
+        self._index = SensorIndex(self.model, instruments)
         self._motors = Transmission.of(robot)
         damping = np.array([gains.kd for gains in by_motor(robot, robot.gains) * len(names.SIDES)])
         self._damping = damping if actuation == "position" else None
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
-
-    def _rest_state(self) -> np.ndarray:
-        data = mujoco.MjData(self.model)
-        data.qpos[:] = self.nominal
-        state = np.zeros(mujoco.mj_stateSize(self.model, _FULL))
-        mujoco.mj_getState(self.model, data, state, _FULL)
-        expected = 1 + self.model.nq + self.model.nv
-        if len(state) != expected:
-            raise RuntimeError(f"expected a physics state of {expected} values, found {len(state)}")
-        return state
 
     @property
     def state(self) -> np.ndarray:
@@ -165,7 +156,11 @@ class BatchedPhysics:
         control = np.repeat(self._to_motors(inputs)[:, None], self._substeps, axis=1)
         if self._disturber is not None:
             force = self._disturber.push()
-            control = self._with_push(self._disturber.drive(control), force)
+            control = self._disturber.drive(control)
+            if force is not None and force.any():  # generalised forces follow the control
+                applied = np.zeros((*control.shape[:2], self.model.nv))
+                applied[..., :2] = force[:, None]
+                control = np.concatenate([control, applied], axis=2)
         states, sensors = self._simulate(control)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
         self._diverged &= ~self._retired
@@ -181,22 +176,6 @@ class BatchedPhysics:
             state = self.read()
             feet, speeds = state.foot_positions[..., :2], state.foot_velocities[..., :2]
             self.terrain.follow(state.base_position[:, :2], feet, speeds)
-
-    def _with_push(self, control: np.ndarray, force: np.ndarray | None) -> np.ndarray:
-        """Control (N, S, 10), followed by generalised forces (N, S, 18) if there are any."""
-        if force is None or not force.any():
-            return control
-        applied = np.zeros((*control.shape[:2], self.model.nv))
-        applied[..., :2] = force[:, None]
-        return np.concatenate([control, applied], axis=2)
-
-    def _roll_out(
-        self, models: Any, state: np.ndarray, control: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        pushed = control.shape[2] > self.model.nu
-        spec = _CONTROL | _APPLIED if pushed else _CONTROL
-        series = self._pool.rollout(models, self._data, state, control, control_spec=int(spec))
-        return np.asarray(series[0]), np.asarray(series[1])
 
     def _mean_torques(self, after: np.ndarray, sensors: np.ndarray) -> np.ndarray:
         """Torques (N, 10) [N m] that acted on average; ``after`` (N, 38) is the state at the end.
@@ -216,16 +195,18 @@ class BatchedPhysics:
 
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
+        spec = _CONTROL | _APPLIED if control.shape[2] > self.model.nu else _CONTROL
+        run = partial(self._pool.rollout, control_spec=int(spec))
         if not self._retired.any():
-            return self._roll_out(self.models, self._state, control)
+            states, sensors = run(self.models, self._data, self._state, control)
+            return np.asarray(states), np.asarray(sensors)
         states = np.repeat(self._state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
-        going = np.flatnonzero(~self._retired)
+        going, models = np.flatnonzero(~self._retired), self.models
         if len(going):
-            models = self.models
             if isinstance(models, list):
                 models = [models[i] for i in going]
-            series = self._roll_out(models, self._state[going], control[going])
+            series = run(models, self._data, self._state[going], control[going])
             states[going], sensors[going] = series
         return states, sensors
 
@@ -244,42 +225,31 @@ class BatchedPhysics:
         return loads(self._motors, sensors.take(self._index.torques, 2), speeds)
 
     def contacts(self) -> Contacts:
-        """Feet and legs in the last :meth:`step`, at each of its simulation steps.
-
-        Raises:
-            RuntimeError: the plant has no instruments.
-        """
-        _, sensors = self._series
-        forces = np.abs(sensors.take(self._index.forces, 2))
-        distances = sensors.take(self._need_instruments().distances, 2)
+        """Feet and legs in the last :meth:`step`, at each of its simulation steps."""
+        sensors, index = self._series[1], self._index
+        forces = np.abs(sensors.take(index.forces, 2))
+        distances = sensors.take(index.distances, 2)
         return observe(forces, *self.foot_ends(), distances, self._ground)
 
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest points of heel and toe at each simulation step of the last :meth:`step`.
 
         Returns:
-            Positions [m], and velocities of the foot there [m/s], (N, steps, 2, 2, 3) in the world:
-            foot (left, right), end (heel, toe), coordinate.
-
-        Raises:
-            RuntimeError: the plant has no instruments.
+            Positions [m], and velocities of the foot there, v + ω × (0, 0, −r) [m/s],
+            (N, steps, 2, 2, 3) in the world: foot (left, right), end (heel, toe), coordinate.
         """
-        radius = self.robot.geometry.foot_radius
-        return self._need_instruments().foot_ends(self._series[1], radius)
-
-    def _need_instruments(self) -> "_Instruments":
-        if self._instruments is None:
-            raise RuntimeError("expected physics with instruments, found one without")
-        return self._instruments
+        sensors, index, radius = self._series[1], self._index, self.robot.geometry.foot_radius
+        positions, velocities = sensors.take(index.ends, 2), sensors.take(index.end_velocities, 2)
+        turning = radius * sensors.take(index.turning, 2)[..., None, :]
+        positions[..., 2] -= radius
+        velocities[..., 0] -= turning[..., 1]
+        velocities[..., 1] += turning[..., 0]
+        return positions, velocities
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
         state = read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
-        return state if self.terrain is None else replace(state, ground=self._ground)
-
-    @property
-    def _ground(self) -> Ground:
-        return FLAT if self.terrain is None else self.terrain.ground
+        return replace(state, ground=self._ground)
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise, or estimated."""
@@ -300,32 +270,3 @@ class BatchedPhysics:
         if self._disturber is None:
             return np.full(self.num_robots, float(self.model.body_mass.sum()))
         return self._disturber.masses
-
-
-class _Instruments:
-    """Columns of the sensors that metrics alone need."""
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        columns, sides = partial(columns_of, model), names.SIDES
-        ends = [[names.foot_end(side, end) for end in names.FOOT_ENDS] for side in sides]
-        self._positions = np.array([[columns(f"{e}_position") for e in foot] for foot in ends])
-        self._velocities = np.array([[columns(f"{e}_velocity") for e in foot] for foot in ends])
-        self._turning = np.array([columns(f"{side}_foot_turning") for side in sides])
-        self.distances = np.array([columns(names.distance(*pair))[0] for pair in names.LEG_PAIRS])
-
-    def foot_ends(self, sensors: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest points of heel and toe, and how the foot moves there: v + ω × (0, 0, −r).
-
-        Args:
-            sensors: (N, T, sensors).
-            radius: of the foot's capsule r [m].
-
-        Returns:
-            Positions [m] and velocities [m/s] (N, T, 2, 2, 3): foot, end, coordinate.
-        """
-        positions, velocities = sensors.take(self._positions, 2), sensors.take(self._velocities, 2)
-        turning = radius * sensors.take(self._turning, 2)[..., None, :]
-        positions[..., 2] -= radius
-        velocities[..., 0] -= turning[..., 1]
-        velocities[..., 1] += turning[..., 0]
-        return positions, velocities

@@ -90,34 +90,23 @@ class RandomizedModels:
         """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
         new = drawn(self._config, uniform)
         for i in index:
-            model = self.models[i]
-            self._set_inertia(model, float(new.mass[i]), new.shift[i], float(new.payload[i]))
-            self._set_motors(model, new.gain[i])
+            model, nominal, mass = self.models[i], self._nominal, float(new.mass[i])
+            model.body_mass[:] = mass * nominal.body_mass
+            model.body_mass[self._base] += float(new.payload[i])
+            model.body_inertia[:] = mass * nominal.body_inertia
+            model.body_ipos[self._base] = nominal.body_ipos[self._base] + new.shift[i]
+            # Torque scales at every voltage while the on-board loop keeps its volts: MuJoCo turns
+            # the demanded torque into volts with the resistance, and the gains make up for that.
+            gain, parameters = new.gain[i], nominal.actuator_gainprm
+            model.actuator_gainprm[:, RESISTANCE] = parameters[:, RESISTANCE] / gain
+            for column in GAIN_COLUMNS:
+                model.actuator_gainprm[:, column] = parameters[:, column] * gain
+            model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
             if new.friction is not None:
                 model.geom_friction[self._feet, SLIDING] = new.friction[i]
             mujoco.mj_setConst(model, self._data)
             self.masses[i] = float(model.body_mass.sum())
         self.motor_gain[index] = new.gain[index]
-
-    def _set_inertia(
-        self, model: mujoco.MjModel, mass: float, shift: np.ndarray, payload: float
-    ) -> None:
-        model.body_mass[:] = mass * self._nominal.body_mass
-        model.body_mass[self._base] += payload
-        model.body_inertia[:] = mass * self._nominal.body_inertia
-        model.body_ipos[self._base] = self._nominal.body_ipos[self._base] + shift
-
-    def _set_motors(self, model: mujoco.MjModel, gain: np.ndarray) -> None:
-        """Scale the torque at every voltage; the on-board loop keeps its volts.
-
-        MuJoCo turns the demanded torque into volts with the resistance: the scaled gains make up
-        for that. A demanded torque is scaled by the caller instead.
-        """
-        nominal = self._nominal
-        model.actuator_gainprm[:, RESISTANCE] = nominal.actuator_gainprm[:, RESISTANCE] / gain
-        for column in GAIN_COLUMNS:
-            model.actuator_gainprm[:, column] = nominal.actuator_gainprm[:, column] * gain
-        model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
 
 
 def _within(interval: Interval, uniform: Any) -> Any:

@@ -91,15 +91,10 @@ class RewardView:
         view: the robots.
         guide: gaits of the library, if the training has any.
         before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
-
-    Attributes:
-        outputs_before: the same.
     """
 
     def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:
-        self.view = view
-        self.state = view.state
-        self.outputs_before = before
+        self.view, self.state, self.outputs_before = view, view.state, before
         self._guide = guide
 
     @property
@@ -152,24 +147,21 @@ def forward_velocity(r: RewardView) -> Array:
     return 1.0 - abs(error[:, 0]).tanh()
 
 
-def _filtered_error(view: View) -> Array:
-    """Low-passed velocity minus low-passed reference (N, 2) [m/s]."""
-    return view.filtered_velocity - view.expected_velocity
-
-
 @reward()
 def forward_velocity_filtered(
     r: RewardView, width: _Metres2PerSecond2, relative: NonNegative[Number]
 ) -> Array:
     """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference."""
-    error = _filtered_error(r.view)[:, 0]
-    return _kernel(error**2, width + relative * r.view.expected_velocity[:, 0] ** 2)
+    expected = r.view.expected_velocity[:, 0]
+    error = r.view.filtered_velocity[:, 0] - expected
+    return _kernel(error**2, width + relative * expected**2)
 
 
 @reward()
 def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> Array:
     """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
-    return 1.0 - (abs(_filtered_error(r.view)[:, 1]) / width).tanh()
+    error = r.view.filtered_velocity[:, 1] - r.view.expected_velocity[:, 1]
+    return 1.0 - (abs(error) / width).tanh()
 
 
 @reward()
@@ -379,11 +371,7 @@ class Reward:
 
 
 def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
-    """Refuse unknown names, and parameters that are not those of the term or out of their bounds.
-
-    Raises:
-        UserError: names the key.
-    """
+    """Refuse, with a ``UserError``, unknown names, and parameters of no term or out of bounds."""
     check_names(TERMS, terms, key)
     for name, term in terms.items():
         expected = TERMS[name].parameters

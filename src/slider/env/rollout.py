@@ -9,7 +9,7 @@ the legs at every simulation step.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -131,12 +131,20 @@ def roll_out(
     for step in range(steps):
         if step and (commands[step] != commands[step - 1]).any():
             controller.set_velocity(commands[step])
-        state, record = run_ticks(controller, physics, state, ticks)
-        diverged |= record.diverged
+        state, record, blown_up, touched = run_ticks(controller, physics, state, ticks)
+        diverged |= blown_up
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        row = _row(alive, state) | record.loads._asdict()
-        rows.append(row | {"estimate_error": record.estimate_error})
-        contacts.append(record.contacts)
+        feet = state.foot_positions.copy()
+        feet[..., 2] -= state.ground.height(feet[..., :2], gaps=False)
+        row = {
+            "alive": alive,
+            "velocity": state.heading_velocity,
+            "yaw": state.yaw,
+            "position": state.base_position[:, :2],
+            "foot_positions": feet.astype(np.float32),
+        }
+        rows.append(row | record)
+        contacts.append(touched)
         progress((step + 1) / steps)
         if isinstance(controller, GivesUp):
             controller.give_up(~alive)
@@ -155,42 +163,27 @@ def roll_out(
     )
 
 
-class StepRecord(NamedTuple):
-    """What happened while the plant was stepped.
-
-    Attributes:
-        diverged: (N,) the simulation blew up.
-        estimate_error: (N, 4) at its start; see :class:`Recording`.
-        loads, contacts: of the drives, of feet and legs.
-    """
-
-    diverged: np.ndarray
-    estimate_error: np.ndarray
-    loads: DriveLoads
-    contacts: Contacts
-
-
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
-) -> tuple[RobotState, StepRecord]:
+) -> tuple[RobotState, dict[str, np.ndarray], np.ndarray, Contacts]:
     """Call the controller and step the plant ``ticks`` times.
 
     Returns:
-        The state afterwards, and the record of the steps.
+        The state afterwards; loads of the drives, and ``estimate_error`` at the start, as in
+        :class:`Recording`; robots (N,) whose simulation blew up; contacts.
     """
+    measured = physics.measure(state)
+    error = _estimate_error(measured, state)
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
     contacts: list[Contacts] = []
-    measured = physics.measure(state)
-    error = _estimate_error(measured, state)
     for tick in range(ticks):
-        measured = physics.measure(state) if tick else measured
-        physics.step(controller.control(measured))
+        physics.step(controller.control(physics.measure(state) if tick else measured))
         state = physics.read()
         loads.append(physics.loads())
         contacts.append(physics.contacts())
         diverged |= state.diverged
-    return state, StepRecord(diverged, error, over(loads), join(contacts))
+    return state, over(loads)._asdict() | {"estimate_error": error}, diverged, join(contacts)
 
 
 def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
@@ -199,18 +192,6 @@ def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
     height = measured.base_height - state.base_height
     tilt = np.linalg.norm(measured.gravity - state.gravity, axis=1)
     return np.column_stack([velocity, height, tilt]).astype(np.float32)
-
-
-def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:
-    feet = state.foot_positions.copy()
-    feet[..., 2] -= state.ground.height(feet[..., :2], gaps=False)
-    return {
-        "alive": alive,
-        "velocity": state.heading_velocity,
-        "yaw": state.yaw,
-        "position": state.base_position[:, :2],
-        "foot_positions": feet.astype(np.float32),
-    }
 
 
 @dataclass(frozen=True)

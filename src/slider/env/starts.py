@@ -1,6 +1,6 @@
 """Starting states of robots: at rest with noise, or on a reference gait."""
 
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -25,26 +25,16 @@ USUAL_NOISE = StartNoise(
     joint_velocity=0.0,
 )
 NUMPY = np.zeros(0)
-_SLIDES = np.array([name.endswith("slide") for name in JOINTS])
-
-
-class Random(Protocol):
-    """A generator of NumPy's, or :class:`slider.env.velocities.Random`."""
-
-    def standard_normal(self, size: Any = None) -> Any:
-        """Standard normal numbers of a shape."""
+SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 
 
 def at_rest(
-    robot: RobotConfig,
-    noise: StartNoise,
-    rng: Random,
-    count: int,
-    like: Array = NUMPY,
+    robot: RobotConfig, noise: StartNoise, rng: Any, count: int, like: Array = NUMPY
 ) -> tuple[Array, Array]:
     """Positions (count, 19) and velocities (count, 18) about the nominal pose.
 
-    The lowest foot point touches the ground, whatever the noise.
+    The lowest foot point touches the ground, whatever the noise. ``rng`` is a generator of NumPy's,
+    or :class:`slider.env.velocities.Random`.
     """
     nominal = asarray(nominal_qpos(robot), like)
     qpos = namespace(like).tile(nominal, (count, 1))
@@ -55,10 +45,7 @@ def at_rest(
 
 
 def about(
-    states: tuple[Array, Array],
-    robot: RobotConfig,
-    noise: StartNoise,
-    rng: Random,
+    states: tuple[Array, Array], robot: RobotConfig, noise: StartNoise, rng: Any
 ) -> tuple[Array, Array]:
     """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
 
@@ -76,25 +63,18 @@ def _standing_heights(robot: RobotConfig, qpos: Array) -> Array:
     return standing_height(robot.geometry, rotation, qpos[:, 7:])
 
 
-def perturb(
-    qpos: Array,
-    qvel: Array,
-    robot: RobotConfig,
-    noise: StartNoise,
-    rng: Random,
-) -> None:
+def perturb(qpos: Array, qvel: Array, robot: RobotConfig, noise: StartNoise, rng: Any) -> None:
     """Add noise in place; joints stay within their limits."""
     count = len(qpos)
     tilt = noise.tilt * rng.standard_normal((count, 2))
     qpos[:, 3:7] = multiply_quaternions(qpos[:, 3:7], quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
-    spread = np.where(_SLIDES, noise.slide_position, noise.joint_position)
+    spread = np.where(SLIDES, noise.slide_position, noise.joint_position)
     qpos[:, 7:] += asarray(spread, qpos) * rng.standard_normal((count, NUM_JOINTS))
     lower, upper = (asarray(limit, qpos) for limit in joint_range(robot))
     qpos[:, 7:] = qpos[:, 7:].clip(lower, upper)
     qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
     qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
-    # A slide's m/s weigh more than a hinge's rad/s.
-    share = asarray(np.where(_SLIDES, 0.2, 1.0), qpos)
+    share = asarray(np.where(SLIDES, 0.2, 1.0), qpos)  # a slide's m/s weigh more than rad/s
     qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
 
 
@@ -110,3 +90,11 @@ def multiply_quaternions(a: Array, b: Array) -> Array:
     scalar = w[:, 0] * b[:, 0] - (v * b[:, 1:]).sum(axis=1)
     vector = w * b[:, 1:] + b[:, :1] * v + xp.linalg.cross(v, b[:, 1:])
     return xp.concat([scalar[:, None], vector], axis=1)
+
+
+def turned(quaternion: Array, angles: Array) -> Array:
+    """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
+    xp = namespace(angles)
+    small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)
+    small /= xp.linalg.vector_norm(small, axis=1, keepdims=True)
+    return multiply_quaternions(quaternion, small)

@@ -3,7 +3,6 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -98,18 +97,13 @@ class RobotState:
         return xp.concat([linear, self.angular_velocity, self.joint_velocities], axis=1)
 
 
-def columns_of(model: "mujoco.MjModel", sensor: str) -> Sequence[int]:
-    """Columns of a sensor in the sensor array."""
-    start = int(model.sensor(sensor).adr[0])
-    return range(start, start + int(model.sensor(sensor).dim[0]))
-
-
 class SensorIndex:
-    """Columns of the sensor array that :func:`read_state` needs."""
+    """Columns of the sensor array; those of ``instruments`` only where the model has them."""
 
-    def __init__(self, model: "mujoco.MjModel") -> None:
-        def of(sensor: str) -> Sequence[int]:
-            return columns_of(model, sensor)
+    def __init__(self, model: "mujoco.MjModel", instruments: bool = False) -> None:
+        def of(sensor: str) -> range:
+            start = int(model.sensor(sensor).adr[0])
+            return range(start, start + int(model.sensor(sensor).dim[0]))
 
         sides = names.SIDES
         self.torques = [of(f"{motor}_torque")[0] for motor in names.MOTORS]
@@ -118,6 +112,12 @@ class SensorIndex:
         self.forces = [of(f"{side}_foot_force")[2] for side in sides]  # z of the net force
         bodies = (names.BASE, *(names.tube(side) for side in sides))
         self.contacts = [of(f"{body}_contact")[0] for body in bodies]
+        if instruments:
+            ends = [[f"{side}_{end}" for end in names.FOOT_ENDS] for side in sides]
+            self.ends = [[of(f"{end}_position") for end in foot] for foot in ends]
+            self.end_velocities = [[of(f"{end}_velocity") for end in foot] for foot in ends]
+            self.turning = [of(f"{side}_foot_turning") for side in sides]
+            self.distances = [of(f"{a}_{b}_distance")[0] for a, b in names.LEG_PAIRS]
 
 
 def read_state(qpos: Any, qvel: Any, sensors: Any, index: SensorIndex, diverged: Any) -> RobotState:

@@ -10,7 +10,7 @@ touches a slope, a step or a tile exactly, at five points; of a smooth field the
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TypeAlias
 
 import mujoco
 import numpy as np
@@ -49,24 +49,12 @@ def magnitude(kind: str, level: float) -> str:
     return f"{sign}{100 * scale.get(kind.partition('_')[0], 0.0) * level:.3g} cm"
 
 
-class Boxes(NamedTuple):
-    """Ground near N robots as K boxes each.
-
-    Attributes:
-        position, quaternion, half: (N, K, 3), (N, K, 4), (N, K, 3) [m].
-    """
-
-    position: np.ndarray
-    quaternion: np.ndarray
-    half: np.ndarray
-
-
 def lay(spec: mujoco.MjSpec) -> None:
     """Add the boxes of the ground to a described robot, and let contact sensors count them."""
     floor = spec.geom(names.FLOOR)
     for index in range(_BOXES):
         box = spec.worldbody.add_geom(
-            name=_box(index), type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1, 0.1, _THICK]
+            name=f"ground_{index}", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1, 0.1, _THICK]
         )
         box.pos = [0.0, 0.0, _HIDDEN]
         box.contype, box.conaffinity = floor.contype, floor.conaffinity
@@ -94,10 +82,6 @@ def _stud(spec: mujoco.MjSpec, side: str) -> None:
     line.contype, line.conaffinity = 0, 0
     sensor = spec.sensor(f"{side}_foot_force")
     sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, body.name
-
-
-def _box(index: int) -> str:
-    return f"ground_{index}"
 
 
 class Terrain:
@@ -229,49 +213,44 @@ class Terrain:
     def _lay(
         self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
     ) -> None:
-        arrays = (*floors(ground), *boxes_near(ground, base, feet))
+        arrays = (*_floors(ground), *_boxes_near(ground, base, feet))
         for robot, *values in zip(index, *arrays, strict=True):
             self._views[robot].set(*values)
 
 
 class _Views:
-    """The arrays of a model that place its ground."""
+    """The arrays of a model that place its floor and the boxes, which follow it."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        floor, first = model.geom(names.FLOOR).id, model.geom(_box(0)).id
-        boxes = slice(first, first + _BOXES)
-        assert first == floor + 1
-        self._floor = model.geom_pos[floor], model.geom_quat[floor]
-        self._position, self._quaternion = model.geom_pos[boxes], model.geom_quat[boxes]
-        self._half, self._bound = model.geom_size[boxes], model.geom_rbound[boxes]
-        self._reach = model.geom_aabb[boxes, 3:]
-        self._shortcuts = model.geom_sameframe[floor : first + _BOXES]
+        floor = model.geom(names.FLOOR).id
+        boxes = slice(floor + 1, floor + 1 + _BOXES)
+        assert model.geom(floor + 1).name == "ground_0"
+        self._places = (
+            *(model.geom_pos[floor], model.geom_quat[floor]),
+            *(model.geom_pos[boxes], model.geom_quat[boxes], model.geom_size[boxes]),
+        )
+        self._reach, self._bound = model.geom_aabb[boxes, 3:], model.geom_rbound[boxes]
+        self._shortcuts = model.geom_sameframe[floor : boxes.stop]
 
-    def set(
-        self,
-        floor_position: np.ndarray,
-        floor_quaternion: np.ndarray,
-        position: np.ndarray,
-        quaternion: np.ndarray,
-        half: np.ndarray,
-    ) -> None:
-        self._floor[0][:], self._floor[1][:] = floor_position, floor_quaternion
-        self._position[:], self._quaternion[:] = position, quaternion
-        self._half[:] = self._reach[:] = half
+    def set(self, *values: np.ndarray) -> None:
+        """Floor's position and quaternion; positions, quaternions, half sizes of the boxes."""
+        for place, value in zip(self._places, values, strict=True):
+            place[:] = value
+        half = self._reach[:] = values[-1]
         self._bound[:] = np.sqrt((half * half).sum(axis=1))
         self._shortcuts[:] = 0  # mj_setConst takes what lies in the world's frame to stay there
 
 
-def floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
+def _floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
     """Position (N, 3) and quaternion (N, 4) of the plane: the slope, or below everything else."""
     boxed = (ground.bars > 0) | (ground.tiles > 0) | (ground.waves > 0)
     position = np.zeros((len(boxed), 3))
     lowest = np.minimum(ground.rise * ground.bars, 0.0) - DEPTH
     position[:, 2] = np.where(boxed, lowest, 0.0)
-    return position, quaternion_to(ground.slope)
+    return position, _quaternion_to(ground.slope)
 
 
-def quaternion_to(slope: np.ndarray) -> np.ndarray:
+def _quaternion_to(slope: np.ndarray) -> np.ndarray:
     """Turns (..., 4) from the vertical to the normal of planes with a slope (..., 2)."""
     normal = np.concatenate([-slope, np.ones_like(slope[..., :1])], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -282,29 +261,35 @@ def quaternion_to(slope: np.ndarray) -> np.ndarray:
     )
 
 
-def boxes_near(ground: UnevenGround, base: np.ndarray, feet: np.ndarray) -> Boxes:
+Boxes: TypeAlias = tuple[np.ndarray, ...]
+"""Positions, quaternions and half sizes (N, K, 3 or 4) of K boxes each [m]."""
+
+
+def _boxes_near(ground: UnevenGround, base: np.ndarray, feet: np.ndarray) -> Boxes:
     """The ground near bases (N, 2) and feet (N, 2, 2) [m] as boxes."""
     count = len(base)
-    boxes = Boxes(
+    boxes = (
         np.tile([0.0, 0.0, _HIDDEN], (count, _BOXES, 1)),
         np.tile([1.0, 0.0, 0.0, 0.0], (count, _BOXES, 1)),
         np.full((count, _BOXES, 3), 0.1),
     )
-    for part, used in (
-        (_bars, ground.bars > 0),
-        (_tiles, ground.tiles > 0),
-        (_tangents, ground.waves > 0),
+    for place, used, near in (
+        (_bars, ground.bars > 0, base),
+        (_tiles, ground.tiles > 0, feet),
+        (_tangents, ground.waves > 0, feet),
     ):
         rows = np.flatnonzero(used)
         if len(rows):
-            part(boxes, rows, ground.of(rows), base[rows], feet[rows])
+            part = tuple(values[rows] for values in boxes)
+            place(part, ground.of(rows), near[rows])
+            for values, new in zip(boxes, part, strict=True):
+                values[rows] = new
     return boxes
 
 
-def _bars(
-    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
-) -> None:
+def _bars(boxes: Boxes, ground: UnevenGround, base: np.ndarray) -> None:
     """As many bars as there are boxes, about the base."""
+    position, _, half = boxes
     bars, tread, start = ground.bars[:, None], ground.tread[:, None], ground.start[:, None]
     here = np.floor((base[:, :1] - start) / tread) + 1.0 - _BOXES // 2
     number = np.clip(here, 0.0, np.maximum(bars + 1.0 - _BOXES, 0.0)) + np.arange(_BOXES)
@@ -312,37 +297,27 @@ def _bars(
     high = start + number * tread
     low = np.where(number == 0, np.minimum(base[:, :1], high) - 2 * _LONG, low)
     high = np.where(number == bars, np.maximum(base[:, :1], low) + 2 * _LONG, high)
-    there = number <= bars
-    top = np.where(there, ground.rise[:, None] * number, _HIDDEN)
-    boxes.position[rows, :, 0] = 0.5 * (low + high)
-    boxes.position[rows, :, 1] = base[:, 1:]
-    boxes.position[rows, :, 2] = top - _THICK
-    boxes.half[rows, :, 0] = 0.5 * (high - low)
-    boxes.half[rows, :, 1], boxes.half[rows, :, 2] = _LONG, _THICK
+    position[..., 0], position[..., 1] = 0.5 * (low + high), base[:, 1:]
+    position[..., 2] = np.where(number <= bars, ground.rise[:, None] * number, _HIDDEN) - _THICK
+    half[..., 0], half[..., 1], half[..., 2] = 0.5 * (high - low), _LONG, _THICK
 
 
-def _tiles(
-    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
-) -> None:
+def _tiles(boxes: Boxes, ground: UnevenGround, feet: np.ndarray) -> None:
     """The four tiles nearest to the middle of each foot."""
     near = np.floor(feet / CELL)[:, :, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]  # (N, 2, 4, 2)
-    cells = near.reshape(len(rows), _BOXES, 2)
-    boxes.position[rows, :, :2] = CELL * cells
+    cells = near.reshape(len(feet), _BOXES, 2)
     top = ground.tile(cells)
     shared = (near[:, 1, :, None] == near[:, 0, None]).all(-1).any(-1)  # both feet's: once
     top[:, _BOXES // 2 :][shared] = _HIDDEN
-    boxes.position[rows, :, 2] = top - _THICK
-    boxes.half[rows] = [0.5 * CELL, 0.5 * CELL, _THICK]
+    boxes[0][..., :2], boxes[0][..., 2] = CELL * cells, top - _THICK
+    boxes[2][:] = [0.5 * CELL, 0.5 * CELL, _THICK]
 
 
-def _tangents(
-    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
-) -> None:
+def _tangents(boxes: Boxes, ground: UnevenGround, feet: np.ndarray) -> None:
     """The tangent plane under the middle of each foot."""
-    feet_of = slice(0, len(names.SIDES))
-    quaternion = quaternion_to(ground.gradient(feet))
+    position, quaternion, half = (values[:, : len(names.SIDES)] for values in boxes)
+    quaternion[:] = _quaternion_to(ground.gradient(feet))
     rotation = rotation_from_quaternion(quaternion.reshape(-1, 4)).reshape(*feet.shape[:2], 3, 3)
     top = np.concatenate([feet, ground.height(feet)[..., None]], axis=-1)
-    boxes.position[rows, feet_of] = top - _THICK * rotation[..., 2]
-    boxes.quaternion[rows, feet_of] = quaternion
-    boxes.half[rows, feet_of] = [*_PATCH, _THICK]
+    position[:] = top - _THICK * rotation[..., 2]
+    half[:] = [*_PATCH, _THICK]

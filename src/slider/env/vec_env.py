@@ -58,29 +58,24 @@ def task_of(
     library: Path | None,
     guided: bool = True,
 ) -> Task:
-    """The task that a configuration describes.
+    """The task of a configuration and a Zarr gait library, if the training has one.
 
-    Args:
-        robot, env, train: the configuration.
-        library: Zarr gait library, if the training has one.
-        guided: whether rewards and starts use its gaits.
+    The clock has a fixed step time or those of the gaits. Only a ``guided`` training has rewards
+    and starts that use the gaits.
     """
+    times = StepTimes.constant(env.phase.step_time) if env.phase.step_time > 0 else None
     if library is None:
-        return Task(robot, env, train, _times(env, None), None)
+        return Task(robot, env, train, times if env.phase.enabled else None, None)
     gaits = GaitLibrary.load(library)
     table = GaitTable.from_library(gaits)
-    guide = Guide(gaits, table, train.guide.gait) if guided else None
-    reference = table.joints if env.action.offset == "gait" else None
-    return Task(robot, env, train, _times(env, table), guide, reference)
-
-
-def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
-    """Step times of the clock, if it has any: fixed, or those of the gaits."""
-    if not env.phase.enabled:
-        return None
-    if env.phase.step_time > 0:
-        return StepTimes.constant(env.phase.step_time)
-    return None if table is None else table.times
+    return Task(
+        robot,
+        env,
+        train,
+        (times or table.times) if env.phase.enabled else None,
+        Guide(gaits, table, train.guide.gait) if guided else None,
+        table.joints if env.action.offset == "gait" else None,
+    )
 
 
 class WalkingEnv(VecEnv):
@@ -97,6 +92,8 @@ class WalkingEnv(VecEnv):
         physics: the simulated robots.
         agent: their observations, actions, clock and commands.
         curriculum: share of the command ranges in use.
+        reward: the configured sum of terms.
+        diverged: (1,) simulations that blew up so far.
     """
 
     def __init__(
@@ -121,7 +118,7 @@ class WalkingEnv(VecEnv):
         like = self._like = torch.as_tensor(self.physics.qpos[:0])
         self.device = like.device
         self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long, device=self.device)
-        self._diverged = like.new_zeros(1)
+        self.diverged = like.new_zeros(1)
         self._rng = Random(train.seed, like)
         self._guide = None if task.guide is None else task.guide.on(like)
         self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
@@ -130,15 +127,10 @@ class WalkingEnv(VecEnv):
         self._share: torch.Tensor | None = None  # of the velocities drawn, on uneven ground
         if self.physics.terrain is not None:
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
-        self._reward = Reward(train.reward)
+        self.reward = Reward(train.reward)
         self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
         self._reset(torch.arange(self.num_envs, device=self.device))
         self._observe()
-
-    @property
-    def total_diverged(self) -> int:
-        """Simulations that blew up so far."""
-        return int(self._diverged.item())
 
     @property
     def terrain_levels(self) -> list[float]:
@@ -153,25 +145,6 @@ class WalkingEnv(VecEnv):
             self._reset(torch.arange(self.num_envs, device=self.device))
             self._observe()
 
-    def check(self) -> None:
-        """Check the simulation for errors so far; this may wait for a device.
-
-        Raises:
-            UserError: names the robots.
-        """
-        self.physics.check()
-
-    @property
-    def methods(self) -> dict[str, tuple[object, str]]:
-        """Owner and name of the methods that make up a step, by what they do."""
-        return {
-            "physics": (self.physics, "step"),
-            "state": (self.physics, "read"),
-            "observation": (self.agent, "observe"),
-            "reward": (self, "_reward"),
-            "environment": (self, "step"),
-        }
-
     def get_observations(self) -> TensorDict:
         """Current observations."""
         return self._observations
@@ -184,18 +157,25 @@ class WalkingEnv(VecEnv):
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
         seen = RewardView(view, self._guide, self._outputs)
-        reward, parts = self._reward(seen, fell)
-        if Needs.HISTORY in self._reward.needs:
+        reward, parts = self.reward(seen, fell)
+        if Needs.HISTORY in self.reward.needs:
             self._outputs = seen.outputs.clone()
         speed_error = abs(view.filtered_velocity[:, 0] - view.command[:, 0])
-        self._diverged += state.diverged.sum()
+        self.diverged += state.diverged.sum()
         timed_out = self._end_episodes(fell, state)
-        self._change_velocities()
+        index = self._commands.changing(self._rng, self.num_envs)
+        if len(index):
+            self.agent.set_velocity_command(index, self._draw_velocities(index))
         self._observe()
-        extras = {
-            "time_outs": timed_out.float(),
-            "log": self._log(parts, speed_error, fell, state.diverged),
-        }
+        log: dict[str, Any] = {f"/reward/{name}": value.mean() for name, value in parts.items()}
+        log["/episode/falls_per_second"] = (1.0 * fell).mean() / self._config.control_period
+        log["/episode/speed_error"] = speed_error.mean()
+        log["/episode/diverged"] = (1.0 * state.diverged).sum()
+        if self.curriculum.enabled:
+            log["/episode/command_share"] = self.curriculum.share.mean()
+        if self.physics.terrain is not None:
+            log["/episode/terrain_level"] = self.physics.terrain.mean_level
+        extras = {"time_outs": timed_out.float(), "log": log}
         return self._observations, reward.float(), (fell | timed_out).long(), extras
 
     def _read(self) -> RobotState:
@@ -218,23 +198,6 @@ class WalkingEnv(VecEnv):
             self._reset(index)
             self.episode_length_buf[index] = 0
         return timed_out
-
-    def _log(
-        self,
-        parts: dict[str, torch.Tensor],
-        speed_error: torch.Tensor,
-        fell: torch.Tensor,
-        diverged: torch.Tensor,
-    ) -> dict[str, Any]:
-        log: dict[str, Any] = {f"/reward/{name}": value.mean() for name, value in parts.items()}
-        log["/episode/falls_per_second"] = (1.0 * fell).mean() / self._config.control_period
-        log["/episode/speed_error"] = speed_error.mean()
-        log["/episode/diverged"] = (1.0 * diverged).sum()
-        if self.curriculum.enabled:
-            log["/episode/command_share"] = self.curriculum.share.mean()
-        if self.physics.terrain is not None:
-            log["/episode/terrain_level"] = self.physics.terrain.mean_level
-        return log
 
     def _reset(self, index: torch.Tensor) -> None:
         """Start robots ``index`` (n,)."""
@@ -260,11 +223,6 @@ class WalkingEnv(VecEnv):
         heading = heading.where(on_gait, self._measured.yaw[index])
         agent.reset(index, self._measured, phase, velocity, heading)
         agent.refresh_heading(self._measured)
-
-    def _change_velocities(self) -> None:
-        index = self._commands.changing(self._rng, self.num_envs)
-        if len(index):
-            self.agent.set_velocity_command(index, self._draw_velocities(index))
 
     def _draw_velocities(self, index: torch.Tensor) -> torch.Tensor:
         velocities = self._commands.sample(self._rng, len(index), self.curriculum.share)

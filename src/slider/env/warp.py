@@ -8,10 +8,9 @@ its kernels one by one takes. Nothing in a step waits for the device.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
-import mujoco
 import numpy as np
 import torch
 
@@ -44,140 +43,22 @@ VARIED_FIELDS = (
 )
 
 
-class Simulation:
-    """``count`` copies of ``model``, stepped together.
-
-    Attributes:
-        qpos, qvel: (N, nq), (N, nv) generalised positions and velocities.
-        sensors: (N, sensors), one simulation step older.
-        control: (steps, N, inputs), what the next :meth:`step` applies in each simulation step.
-    """
-
-    def __init__(
-        self,
-        model: mujoco.MjModel,
-        count: int,
-        steps: int,
-        device: str = "cpu",
-        varied: Collection[str] = (),
-        rows: int = ROWS,
-    ) -> None:
-        """Compile the kernels, which takes half a minute unless the cache has them.
-
-        Args:
-            model: of all robots.
-            count: number of robots N.
-            steps: simulation steps in a control step.
-            device: Warp's and torch's name of it, such as ``cpu`` or ``cuda:0``.
-            varied: fields of the model that robots have of their own; see :meth:`field`.
-            rows: of constraints that a robot may have.
-        """
-        self._device = _device(device)
-        self._torch = torch.device(wp.device_to_torch(self._device))
-        sizes = dict.fromkeys((*varied, *_DERIVED), count) if varied else {}
-        with wp.ScopedDevice(self._device):
-            self._model = mjw.put_model(model, sizes)
-            self._model.opt.warn_overflow = 0  # see check
-            self._data = mjw.make_data(model, count, nconmax=CONTACTS, njmax=rows)
-            control = wp.zeros((steps, count, model.nu), dtype=float)
-        self._inputs = [control[i] for i in range(steps)]
-        self.control = wp.to_torch(control)
-        self.qpos, self.qvel = wp.to_torch(self._data.qpos), wp.to_torch(self._data.qvel)
-        self.applied = wp.to_torch(self._data.qfrc_applied)
-        self.sensors = wp.to_torch(self._data.sensordata)
-        self._overflow = wp.to_torch(self._data.overflow)
-        self._advance = self._graph(self._simulate)
-        self._derive = self._graph(self._set_constants) if varied else None
-        self.sensors.zero_()
-        self._overflow.zero_()
-
-    @property
-    def device(self) -> torch.device:
-        """Where the tensors are."""
-        return self._torch
-
-    def field(self, name: str) -> torch.Tensor:
-        """A ``varied`` field of the model (N, ...); call :meth:`derive` after a change."""
-        return wp.to_torch(getattr(self._model, name))
-
-    def step(self) -> None:
-        """Simulate one control step."""
-        self._launch(self._advance)
-
-    def derive(self) -> None:
-        """Compute what depends on varied masses and inertias, as ``mj_setConst`` does."""
-        assert self._derive is not None, "nothing is varied"
-        self._launch(self._derive)
-
-    def clear_errors(self, robots: torch.Tensor) -> None:
-        """Forget the overflows of ``robots`` (N,), which blew up."""
-        self._overflow.masked_fill_(robots, 0)
-
-    def check(self) -> None:
-        """Look for overflows since the last call; this waits for the device.
-
-        Raises:
-            UserError: contacts or constraints of some robots were lost.
-        """
-        bits = (self._overflow & ~int(_LIMITS)).cpu()
-        self._overflow.zero_()
-        robots = torch.nonzero(bits).flatten().tolist()
-        if robots:
-            kinds = mjw.OverflowType(0)
-            for robot in robots:
-                kinds |= mjw.OverflowType(int(bits[robot]))
-            named = ", ".join(map(str, robots[:8])) + (", …" if len(robots) > 8 else "")
-            raise UserError(
-                f"MuJoCo Warp: expected no overflow, found {kinds.name} of {len(robots)} of"
-                f" {len(bits)} robots: {named}"
-            )
-
-    def _simulate(self) -> None:
-        # MuJoCo's rollout keeps no warm start between control steps either.
-        self._data.qacc_warmstart.zero_()
-        for inputs in self._inputs:
-            wp.copy(self._data.ctrl, cast(wp.array, inputs))
-            mjw.step(self._model, self._data)
-
-    def _set_constants(self) -> None:
-        groups = mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0
-        mjw.set_const(self._model, self._data, groups, restore=False)
-
-    def _graph(self, work: Callable[[], None]) -> "wp.Graph":
-        with wp.ScopedDevice(self._device):
-            work()  # loads the kernels
-            with wp.ScopedCapture() as capture:
-                work()
-            wp.synchronize_device()
-        return cast(wp.Graph, capture.graph)
-
-    def _launch(self, graph: "wp.Graph") -> None:
-        """Run a graph in the order of torch's own work on the device."""
-        stream = wp.stream_from_torch(self._torch) if self._device.is_cuda else None
-        wp.capture_launch(graph, stream)
-
-
-def _device(name: str) -> "wp.Device":
-    wp.config.log_level = wp.LOG_WARNING
-    wp.init()
-    try:
-        return wp.get_device(name)
-    except ValueError as error:
-        devices = ", ".join(str(device) for device in wp.get_devices())
-        raise UserError(
-            f"device: expected one that Warp finds ({devices}), found {name}"
-        ) from error
-
-
 class WarpPhysics:
     """Steps ``num_robots`` copies of the robot on flat ground, disturbed as in ``BatchedPhysics``.
 
-    Evaluation needs contacts and loads of every simulation step and runs on MuJoCo itself.
+    Evaluation needs contacts and loads of every simulation step and runs on MuJoCo itself. The
+    kernels are compiled, which takes half a minute unless Warp's cache has them.
+
+    Args:
+        device: Warp's and torch's name of it, such as ``cpu`` or ``cuda:0``.
+        rows: of constraints that a robot may have.
+
+    Other arguments are those of ``BatchedPhysics``.
 
     Attributes:
         qpos, qvel: (N, 19), (N, 18) positions and velocities, shared with the simulation.
-        simulation: MuJoCo Warp's.
         model: of the nominal robot.
+        device: where the tensors are.
         terrain: none; the ground is flat.
     """
 
@@ -202,14 +83,24 @@ class WarpPhysics:
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)
-        varied = (
-            VARIED_FIELDS
-            if disturbance is not None and randomization.vary(disturbance.config)
-            else ()
-        )
-        self.simulation = Simulation(self.model, num_robots, config.substeps, device, varied, rows)
-        self.qpos, self.qvel = self.simulation.qpos, self.simulation.qvel
-        self._sensors = self.simulation.sensors
+        varied = disturbance is not None and randomization.vary(disturbance.config)
+        self._warp_device = _device(device)
+        self.device = torch.device(wp.device_to_torch(self._warp_device))
+        sizes = dict.fromkeys((*VARIED_FIELDS, *_DERIVED), num_robots) if varied else {}
+        with wp.ScopedDevice(self._warp_device):
+            self._models = mjw.put_model(self.model, sizes)
+            self._models.opt.warn_overflow = 0  # see check
+            self._data = mjw.make_data(self.model, num_robots, nconmax=CONTACTS, njmax=rows)
+            control = wp.zeros((config.substeps, num_robots, self.model.nu), dtype=float)
+        self._inputs = [control[i] for i in range(config.substeps)]
+        self._control = wp.to_torch(control)  # (steps, N, inputs)
+        self.qpos, self.qvel = wp.to_torch(self._data.qpos), wp.to_torch(self._data.qvel)
+        self._applied = wp.to_torch(self._data.qfrc_applied)
+        self._sensors = wp.to_torch(self._data.sensordata)  # one simulation step older
+        self._overflow = wp.to_torch(self._data.overflow)
+        self._advance = self._graph(self._simulate)
+        self._derive = self._graph(self._set_constants) if varied else None
+        self._overflow.zero_()
         self._index: Any = SensorIndex(self.model)
         for name, columns in vars(self._index).items():  # a list would be copied to the device
             setattr(self._index, name, torch.tensor(columns, device=self.device))
@@ -220,18 +111,44 @@ class WarpPhysics:
         self._diverged = torch.zeros(num_robots, dtype=torch.bool, device=self.device)
         self._disturber: Any = None  # its arrays are tensors
         if disturbance is not None:
-            robots = None
-            if varied:
-                robots = WarpModels(self.simulation, self.model, disturbance.config)
+            robots = WarpModels(self, disturbance.config) if varied else None
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots, self.qpos
             )
         self._place_at_rest(torch.ones_like(self._diverged))
 
-    @property
-    def device(self) -> torch.device:
-        """Where the tensors are."""
-        return self.simulation.device
+    def _simulate(self) -> None:
+        # MuJoCo's rollout keeps no warm start between control steps either.
+        self._data.qacc_warmstart.zero_()
+        for inputs in self._inputs:
+            wp.copy(self._data.ctrl, cast(wp.array, inputs))
+            mjw.step(self._models, self._data)
+
+    def _set_constants(self) -> None:
+        groups = mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0
+        mjw.set_const(self._models, self._data, groups, restore=False)
+
+    def _graph(self, work: Callable[[], None]) -> "wp.Graph":
+        with wp.ScopedDevice(self._warp_device):
+            work()  # loads the kernels
+            with wp.ScopedCapture() as capture:
+                work()
+            wp.synchronize_device()
+        return cast(wp.Graph, capture.graph)
+
+    def _launch(self, graph: "wp.Graph") -> None:
+        """Run a graph in the order of torch's own work on the device."""
+        stream = wp.stream_from_torch(self.device) if self._warp_device.is_cuda else None
+        wp.capture_launch(graph, stream)
+
+    def field(self, name: str) -> torch.Tensor:
+        """A varied field of the robots' models (N, ...); call :meth:`derive` after a change."""
+        return wp.to_torch(getattr(self._models, name))
+
+    def derive(self) -> None:
+        """Compute what depends on varied masses and inertias, as ``mj_setConst`` does."""
+        assert self._derive is not None, "nothing is varied"
+        self._launch(self._derive)
 
     def _tensor(self, values: Any) -> torch.Tensor:
         return torch.as_tensor(values, dtype=torch.float32, device=self.device).contiguous()
@@ -253,30 +170,38 @@ class WarpPhysics:
 
     def step(self, inputs: torch.Tensor) -> None:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
-        control = (inputs @ self._to_motors)[:, None].expand(-1, len(self.simulation.control), -1)
+        control = (inputs @ self._to_motors)[:, None].expand(-1, len(self._control), -1)
         if self._disturber is not None:
             force = self._disturber.push()
             if force is not None:
-                self.simulation.applied[:, :2] = force
+                self._applied[:, :2] = force
             control = self._disturber.drive(control)
-        self.simulation.control.copy_(control.transpose(0, 1))
-        self.simulation.step()
-        self._diverged.copy_(self._find_diverged(inputs))
-        self.simulation.clear_errors(self._diverged)
-        self._place_at_rest(self._diverged)
-
-    def _find_diverged(self, inputs: torch.Tensor) -> torch.Tensor:
+        self._control.copy_(control.transpose(0, 1))
+        self._launch(self._advance)
         values = (self.qpos, self.qvel, self._sensors, inputs)
         finite = torch.stack([x.isfinite().all(dim=1) for x in values]).all(dim=0)
-        return ~finite | (self.qvel.abs() > SPEED_LIMIT).any(dim=1)
+        self._diverged.copy_(~finite | (self.qvel.abs() > SPEED_LIMIT).any(dim=1))
+        self._overflow.masked_fill_(self._diverged, 0)
+        self._place_at_rest(self._diverged)
 
     def check(self) -> None:
-        """Look for lost contacts since the last call; this waits for the device.
+        """Look for overflows since the last call; this waits for the device.
 
         Raises:
-            UserError: the simulation of some robots overflowed.
+            UserError: contacts or constraints of some robots were lost.
         """
-        self.simulation.check()
+        bits = (self._overflow & ~int(_LIMITS)).cpu()
+        self._overflow.zero_()
+        robots = torch.nonzero(bits).flatten().tolist()
+        if robots:
+            kinds = mjw.OverflowType(0)
+            for robot in robots:
+                kinds |= mjw.OverflowType(int(bits[robot]))
+            named = ", ".join(map(str, robots[:8])) + (", …" if len(robots) > 8 else "")
+            raise UserError(
+                f"MuJoCo Warp: expected no overflow, found {kinds.name} of {len(robots)} of"
+                f" {len(bits)} robots: {named}"
+            )
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
@@ -292,6 +217,18 @@ class WarpPhysics:
             self._disturber.restart()
 
 
+def _device(name: str) -> "wp.Device":
+    wp.config.log_level = wp.LOG_WARNING
+    wp.init()
+    try:
+        return wp.get_device(name)
+    except ValueError as error:
+        devices = ", ".join(str(device) for device in wp.get_devices())
+        raise UserError(
+            f"device: expected one that Warp finds ({devices}), found {name}"
+        ) from error
+
+
 class WarpModels:
     """Models of the robots of a simulation, drawn again per robot and episode.
 
@@ -299,25 +236,21 @@ class WarpModels:
         motor_gain: (N, 10) by which demanded torques are scaled [-].
     """
 
-    def __init__(
-        self, simulation: Simulation, nominal: mujoco.MjModel, config: DisturbanceConfig
-    ) -> None:
-        self._simulation, self._config = simulation, config
-        self._fields = {name: simulation.field(name) for name in VARIED_FIELDS}
-        count, device = len(simulation.qpos), simulation.device
+    def __init__(self, physics: WarpPhysics, config: DisturbanceConfig) -> None:
+        self._physics, self._config, nominal = physics, config, physics.model
+        self._fields = {name: physics.field(name) for name in VARIED_FIELDS}
+        device = physics.device
         self._nominal = {
             name: torch.as_tensor(getattr(nominal, name), dtype=field.dtype).to(device)
             for name, field in self._fields.items()
         }
-        self.motor_gain = torch.ones((count, len(names.MOTORS)), device=device)
+        self.motor_gain = torch.ones((physics.num_robots, len(names.MOTORS)), device=device)
         parameters = self._fields["actuator_gainprm"].shape[2]
         self._base = _ones_at([nominal.body(names.BASE).id], nominal.nbody).to(device)
         self._loop = _ones_at(GAIN_COLUMNS, parameters).to(device)
         self._resistance = _ones_at([RESISTANCE], parameters).to(device)
-        sliding = _ones_at(randomization.feet(nominal), nominal.ngeom)[:, None] * _ones_at(
-            [SLIDING], 3
-        )
-        self._sliding = (sliding > 0).to(device)
+        feet = _ones_at(randomization.feet(nominal), nominal.ngeom)
+        self._sliding = (feet[:, None] * _ones_at([SLIDING], 3) > 0).to(device)
 
     def draw(self, index: torch.Tensor, uniform: torch.Tensor) -> None:
         """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
@@ -338,7 +271,7 @@ class WarpModels:
         for name, value in values.items():
             self._fields[name][index] = value
         self.motor_gain[index] = new.gain
-        self._simulation.derive()
+        self._physics.derive()
 
     @property
     def masses(self) -> torch.Tensor:

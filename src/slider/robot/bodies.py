@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.config.robot import Geometry, Link, Mechanism, VirtualKnee
+from slider.config.robot import Link, Mechanism
 
 _REFLECTION = np.array([1.0, -1.0, 1.0])  # at the sagittal plane
 
@@ -48,19 +48,14 @@ def knee_bodies(robot: Mechanism) -> dict[str, Body]:
     """``base``, and ``yaw``, ``roll``, ``thigh``, ``shank``, ``foot`` of one virtual-knee leg."""
     links = robot.links
     bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll")}
-    legs = {"thigh": _thigh(robot), "shank": _shank(links.tube, robot.virtual_knee)}
-    return bodies | legs | {"foot": _body(links.foot)}
+    knee = robot.virtual_knee
+    shank = _part(links.tube, knee.shank_mass_fraction, -knee.shank_length / 2)
+    return bodies | {"thigh": _thigh(robot), "shank": shank, "foot": _body(links.foot)}
 
 
 def total_mass(bodies: Mapping[str, Body]) -> float:
     """Mass of the base and of two equal legs [kg]."""
     return bodies["base"].mass + 2 * sum(b.mass for name, b in bodies.items() if name != "base")
-
-
-def nominal_flexion(geometry: Geometry, knee: VirtualKnee) -> float:
-    """Knee flexion [rad] at which hip and ankle are the nominal leg length apart."""
-    l1, l2 = knee.thigh_length, knee.shank_length
-    return float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
 
 
 def joined(*parts: Body) -> Body:
@@ -86,15 +81,10 @@ def _upper_foot(robot: Mechanism) -> Body:
     return Body(link.mass, com, link.tensor)
 
 
-def _shank(tube: Link, knee: VirtualKnee) -> Body:
-    share = knee.shank_mass_fraction
-    com = np.array([0.0, 0.0, -knee.shank_length / 2])
-    return Body(share * tube.mass, com, _part(tube, share))
-
-
-def _part(tube: Link, share: float) -> np.ndarray:
-    """Inertia (3, 3) of a share of the tube, cut across it [kg m²]."""
-    return np.diag(share**3 * np.array(tube.inertia) * [1, 1, 1 / share**2])
+def _part(tube: Link, share: float, height: float) -> Body:
+    """A share of the tube, cut across it, with its centre at a height below the joint [m]."""
+    inertia = np.diag(share**3 * np.array(tube.inertia) * [1, 1, 1 / share**2])
+    return Body(share * tube.mass, np.array([0.0, 0.0, height]), inertia)
 
 
 def _thigh(robot: Mechanism) -> Body:
@@ -102,12 +92,13 @@ def _thigh(robot: Mechanism) -> Body:
     geometry, links, knee = robot.geometry, robot.links, robot.virtual_knee
     rest = 1 - knee.shank_mass_fraction
     tube, upper = links.tube, links.upper_foot
-    flexion, l1, l2 = nominal_flexion(geometry, knee), knee.thigh_length, knee.shank_length
+    l1, l2 = knee.thigh_length, knee.shank_length
+    # Flexion at which hip and ankle are the nominal leg length apart.
+    flexion = float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
     tilt = np.arctan2(l2 * np.sin(flexion), l1 + l2 * np.cos(flexion))
     shank_centre = (l1 * np.cos(tilt) + geometry.leg_length) / 2  # along the leg, as all of these
     above = upper.mass * (upper.com[2] + geometry.upper_foot_height)
     above += links.pitch.mass * links.pitch.com[2]
     below = -tube.mass * tube.com[2] - (1 - rest) * tube.mass * shank_centre
     depth = (below - above * (1 - np.cos(tilt))) / (rest * tube.mass * np.cos(tilt))
-    part = Body(rest * tube.mass, np.array([0.0, 0.0, -depth]), _part(tube, rest))
-    return joined(_body(links.pitch), part, _upper_foot(robot))
+    return joined(_body(links.pitch), _part(tube, rest, -depth), _upper_foot(robot))

@@ -61,11 +61,9 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     Returns:
         (N, 2, 2, 3): foot (left, right), end (heel, toe), coordinate.
     """
-    ends = zeros((len(joints), 2, 2, 3), joints)
-    for leg in range(2):
-        links = _leg(geometry, rotation, joints, leg)
-        ends[:, leg] = _ends(geometry, links.ankle, links.tube, joints, leg)
-    return ends
+    legs = [_leg(geometry, rotation, joints, leg) for leg in range(2)]
+    ends = [_ends(geometry, x.ankle, x.tube, joints, leg) for leg, x in enumerate(legs)]
+    return namespace(joints).stack(ends, axis=1)
 
 
 class FootMotion(NamedTuple):
@@ -143,19 +141,13 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
 
 
 class _Leg(NamedTuple):
-    """A leg of N robots relative to the base origin, in world axes.
+    """Joints of a leg relative to the base origin, in world axes; rotations of links to world."""
 
-    Attributes:
-        hip_yaw, hip_roll, hip_pitch: places of these axes (N, 3) [m].
-        ankle: its place (N, 3) [m].
-        yaw, tube: rotations of these links to world (N, 3, 3).
-    """
-
-    hip_yaw: Array
+    hip_yaw: Array  # (N, 3) [m]
     hip_roll: Array
     hip_pitch: Array
     ankle: Array
-    yaw: Array
+    yaw: Array  # (N, 3, 3)
     tube: Array
 
 

@@ -15,7 +15,6 @@ from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, NUM_J
 _LEG = len(KNEE_LEG_JOINTS)
 _PITCH, _KNEE, _ANKLE = (np.s_[..., k::_LEG] for k in (2, 3, 4))  # of both legs
 _MIRROR = np.array(LEG_MIRROR_SIGN[:_LEG])
-VARIANTS = ("exact", "paper")
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Positions and their first and second derivatives (..., 10) [rad, m]."""
@@ -77,35 +76,23 @@ def positions(
     l2: float,
     variant: str = "exact",
 ) -> SagittalLeg:
-    """Prismatic positions of a knee leg (eq. 1, left).
-
-    Raises:
-        ValueError: an unknown variant.
-    """
+    """Prismatic positions of a knee leg (eq. 1, left)."""
     triangle = _Triangle(theta, l1, l2)
-    if variant == "exact":
-        hip_shift, ankle_shift = triangle.shifts
-    elif variant == "paper":
+    hip_shift, ankle_shift = triangle.shifts
+    if variant == "paper":
         hip_shift, ankle_shift = l2 / triangle.length * theta, l1 / triangle.length * theta
-    else:
-        raise ValueError(f"expected one of {VARIANTS}, found {variant}")
     return SagittalLeg(hip_pitch - hip_shift, triangle.length, ankle - ankle_shift)
 
 
 def rates(
     theta: np.ndarray, l1: float, l2: float, variant: str = "exact"
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Coefficients (a, b, c) of α̇ = α̇' − a θ̇, β̇ = β̇' − b θ̇, l̇ = c θ̇ (eq. 1, right).
-
-    Raises:
-        ValueError: an unknown variant.
-    """
+    """Coefficients (a, b, c) of α̇ = α̇' − a θ̇, β̇ = β̇' − b θ̇, l̇ = c θ̇ (eq. 1, right)."""
+    triangle = _Triangle(theta, l1, l2)
     if variant == "exact":
-        return _Triangle(theta, l1, l2).rates
-    if variant == "paper":
-        length, cosine = leg_length(theta, l1, l2), np.cos(theta)
-        return l2 / length * cosine, l1 / length * cosine, -2 * l1 * l2 * cosine
-    raise ValueError(f"expected one of {VARIANTS}, found {variant}")
+        return triangle.rates
+    length, cosine = triangle.length, np.cos(theta)
+    return l2 / length * cosine, l1 / length * cosine, -2 * l1 * l2 * cosine
 
 
 def velocities(
@@ -130,9 +117,6 @@ def prismatic_joints(
     """Positions and velocities (N, 12) of the prismatic robot of knee legs (N, 10): eq. 1.
 
     Upper feet rest; ``slide`` is zero at the nominal leg length.
-
-    Raises:
-        ValueError: an unknown variant.
     """
     lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
     position, velocity = q.copy(), v.copy()

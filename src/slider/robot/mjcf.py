@@ -72,12 +72,24 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False
-    _set_options(spec, options)
-    _add_ground(spec)
+    spec.option.timestep = options.timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.iterations = options.solver_iterations
+    spec.option.ls_iterations = options.line_search_iterations
+    # Robots are one island: to look for others takes time, and the numbers are the same.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
+    # MuJoCo 4.0.0 has wrong accelerations with its sparse factor (google-deepmind/mujoco#3767).
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    floor = spec.worldbody.add_geom(
+        name=names.FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[100, 100, 0.1]
+    )
+    floor.contype, floor.conaffinity = _GROUND
     base = _add_base(spec, robot)
     for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
-        _add_leg(spec, base, robot, side, sign)
-    _add_pairs(spec, robot)
+        _add_leg(base, robot, side, sign)
+    for first, second in (*names.LEG_PAIRS, *names.BASE_PAIRS):
+        pair = spec.add_pair(name=f"{first}_{second}", geomname1=first, geomname2=second, condim=3)
+        pair.friction[:2] = robot.contact.friction
     _add_motors(spec, robot, options.actuation)
     _add_sensors(spec)
     if options.instruments:
@@ -93,24 +105,6 @@ def nominal_qpos(robot: RobotConfig) -> np.ndarray:
     return qpos
 
 
-def _set_options(spec: mujoco.MjSpec, options: SimulationOptions) -> None:
-    spec.option.timestep = options.timestep
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.iterations = options.solver_iterations
-    spec.option.ls_iterations = options.line_search_iterations
-    # Robots are one island: to look for others takes time, and the numbers are the same.
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
-    # MuJoCo 4.0.0 has wrong accelerations with its sparse factor (google-deepmind/mujoco#3767).
-    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-
-
-def _add_ground(spec: mujoco.MjSpec) -> None:
-    floor = spec.worldbody.add_geom(
-        name=names.FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[100, 100, 0.1]
-    )
-    floor.contype, floor.conaffinity = _GROUND
-
-
 def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
     base = spec.worldbody.add_body(name=names.BASE, pos=nominal_qpos(robot)[:3])
     base.add_freejoint(name="root")
@@ -124,34 +118,23 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
         rgba=[0.20, 0.28, 0.55, 1],
     )
     base.add_site(name=names.IMU)
-    base.add_camera(
-        name="side",
-        pos=[0, -2.4, 0.0],
-        xyaxes=[1, 0, 0, 0, 0.05, 1],
-        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
-    )
-    base.add_camera(
-        name="front",
-        pos=[2.4, 0, 0.0],
-        xyaxes=[0, 1, 0, -0.05, 0, 1],
-        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
-    )
+    track = mujoco.mjtCamLight.mjCAMLIGHT_TRACK
+    base.add_camera(name="side", pos=[0, -2.4, 0.0], xyaxes=[1, 0, 0, 0, 0.05, 1], mode=track)
+    base.add_camera(name="front", pos=[2.4, 0, 0.0], xyaxes=[0, 1, 0, -0.05, 0, 1], mode=track)
     return base
 
 
-def _add_leg(
-    spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float
-) -> None:
-    geometry, links = robot.geometry, robot.links
+def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -> None:
+    geometry, links, capsule = robot.geometry, robot.links, mujoco.mjtGeom.mjGEOM_CAPSULE
+    axes = geometry.axes
     yaw, roll, pitch = (
-        [x, sign * y + 0.0, z]
-        for x, y, z in (geometry.axes.hip_yaw, geometry.axes.hip_roll, geometry.axes.hip_pitch)
+        [x, sign * y + 0.0, z] for x, y, z in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
     )
     yaw = _add_link(base, robot, side, "hip_yaw", links.yaw, yaw)
     roll = _add_link(yaw, robot, side, "hip_roll", links.roll, roll)
     _add_geom(
         roll,
-        names.hip(side),
+        f"{side}_hip",
         mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
@@ -162,21 +145,31 @@ def _add_leg(
     _add_geom(
         tube,
         names.tube(side),
-        mujoco.mjtGeom.mjGEOM_CAPSULE,
+        capsule,
         size=[geometry.tube_radius, 0, 0],
         fromto=[0, 0, geometry.upper_foot_height, 0, 0, -geometry.leg_length + 0.05],
         rgba=[0.12, 0.12, 0.13, 1],
     )
     foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
-    _add_foot(foot, robot, side)
+    height = geometry.ankle_height - geometry.foot_radius
+    line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
+    line.friction = [robot.contact.friction, 0.005, 0.0001]
+    line.priority = 1  # the foot's friction counts, not the floor's
+    foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
     # After the foot: MuJoCo numbers joints in this order, that of names.JOINTS.
     place = [0, 0, geometry.upper_foot_height]
     upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place)
-    height = geometry.ankle_height - geometry.foot_radius
-    line = _add_geom(
-        upper, names.upper_foot(side), mujoco.mjtGeom.mjGEOM_CAPSULE, **_foot_line(robot, height)
-    )
+    line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
     line.conaffinity = 0  # far above the ground
+
+
+def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
+    """Capsule along x at a height above its joint [m]."""
+    return {
+        "size": [geometry.foot_radius, 0, 0],
+        "fromto": [-geometry.heel, 0, height, geometry.toe, 0, height],
+        "rgba": [0.75, 0.35, 0.15, 1],
+    }
 
 
 _AXES = {
@@ -231,37 +224,6 @@ def _add_geom(body: mujoco.MjsBody, name: str, kind: mujoco.mjtGeom, **shape) ->
     return geom
 
 
-def _add_foot(foot: mujoco.MjsBody, robot: RobotConfig, side: str) -> None:
-    geometry = robot.geometry
-    height = geometry.foot_radius - geometry.ankle_height
-    line = _add_geom(
-        foot,
-        names.foot(side),
-        mujoco.mjtGeom.mjGEOM_CAPSULE,
-        **_foot_line(robot, height),
-    )
-    line.friction = [robot.contact.friction, 0.005, 0.0001]
-    line.priority = 1  # the foot's friction counts, not the floor's
-    foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
-
-
-def _foot_line(robot: RobotConfig, height: float) -> dict[str, list[float]]:
-    """Capsule along x at a height above its joint [m]."""
-    geometry = robot.geometry
-    return {
-        "size": [geometry.foot_radius, 0, 0],
-        "fromto": [-geometry.heel, 0, height, geometry.toe, 0, height],
-        "rgba": [0.75, 0.35, 0.15, 1],
-    }
-
-
-def _add_pairs(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
-    sliding = robot.contact.friction
-    for first, second in (*names.LEG_PAIRS, *names.BASE_PAIRS):
-        pair = spec.add_pair(name=f"{first}_{second}", geomname1=first, geomname2=second, condim=3)
-        pair.friction[:2] = sliding
-
-
 def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
     inputs, motors = mujoco.mjtCtrlInput, Transmission.of(robot)
     gains = by_motor(robot, robot.gains) * len(names.SIDES)
@@ -271,7 +233,9 @@ def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -
         kind, target = mujoco.mjtTrn.mjTRN_JOINT, names.JOINTS[joints[0]]
         if len(joints) > 1:
             kind, target = mujoco.mjtTrn.mjTRN_TENDON, name
-            _add_tendon(spec, name, motors.matrix[index], motors.inertia[index])
+            tendon = spec.add_tendon(name=name, armature=motors.inertia[index])
+            for joint in joints:
+                tendon.wrap_joint(names.JOINTS[joint], motors.matrix[index, joint])
         actuator = spec.add_actuator(name=name, trntype=kind, target=target)
         kp, kd = (0.0, 0.0) if torque else (gains[index].kp, gains[index].kd)
         actuator.set_to_dcmotor(
@@ -282,13 +246,6 @@ def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -
             controller=[kp, 0.0, kd, 0.0, 0.0, BUS_VOLTAGE],
             ctrlspec=inputs.mjINPUT_FF if torque else inputs.mjINPUT_POS,
         )
-
-
-def _add_tendon(spec: mujoco.MjSpec, name: str, row: np.ndarray, inertia: float) -> None:
-    """The motor's angle as a fixed tendon over the joints that it moves."""
-    tendon = spec.add_tendon(name=name, armature=inertia)
-    for joint in np.flatnonzero(row):
-        tendon.wrap_joint(names.JOINTS[joint], row[joint])
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
@@ -311,13 +268,13 @@ def _add_instruments(spec: mujoco.MjSpec, geometry: Geometry) -> None:
     height = geometry.foot_radius - geometry.ankle_height
     for side in names.SIDES:
         for end, x in zip(names.FOOT_ENDS, (-geometry.heel, geometry.toe), strict=True):
-            name = names.foot_end(side, end)  # in the middle of the capsule's round end
+            name = f"{side}_{end}"  # in the middle of the capsule's round end
             spec.body(names.foot(side)).add_site(name=name, pos=[x, 0, height])
             for quantity, kind in _MOTION:
                 _add_sensor(spec, f"{name}_{quantity}", kind, name)
         _add_sensor(spec, f"{side}_foot_turning", _KIND.mjSENS_FRAMEANGVEL, names.sole(side))
     for first, second in names.LEG_PAIRS:
-        name, ends = names.distance(first, second), {"reftype": _GEOM, "refname": second}
+        name, ends = f"{first}_{second}_distance", {"reftype": _GEOM, "refname": second}
         kind = _KIND.mjSENS_GEOMDIST
         _add_sensor(spec, name, kind, first, objtype=_GEOM, cutoff=DISTANCE_CUTOFF, **ends)
 

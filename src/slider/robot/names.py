@@ -58,19 +58,9 @@ def foot(side: str) -> str:
     return f"{side}_foot"
 
 
-def upper_foot(side: str) -> str:
-    """Name of the geom of the upper foot of a side."""
-    return f"{side}_upper_foot"
-
-
 def tube(side: str) -> str:
     """Name of the geom of the leg's tube of a side."""
     return f"{side}_tube"
-
-
-def hip(side: str) -> str:
-    """Name of the geom of the drives about the hip of a side."""
-    return f"{side}_hip"
 
 
 def sole(side: str) -> str:
@@ -78,28 +68,20 @@ def sole(side: str) -> str:
     return f"{side}_sole"
 
 
-def foot_end(side: str, end: str) -> str:
-    """Name of the site at an end of the foot line of a side."""
-    return f"{side}_{end}"
-
-
-def distance(first: str, second: str) -> str:
-    """Name of the sensor of the distance of two geoms."""
-    return f"{first}_{second}_distance"
-
-
-_LEFT, _RIGHT = SIDES
-# Geoms that collide with each other: of the two legs, and of the legs with the base.
-LEG_PAIRS = (
-    (foot(_LEFT), foot(_RIGHT)),
-    (tube(_LEFT), tube(_RIGHT)),
-    (foot(_LEFT), tube(_RIGHT)),
-    (tube(_LEFT), foot(_RIGHT)),
-    (upper_foot(_LEFT), upper_foot(_RIGHT)),
-    (upper_foot(_LEFT), tube(_RIGHT)),
-    (tube(_LEFT), upper_foot(_RIGHT)),
-    (hip(_LEFT), tube(_RIGHT)),
-    (tube(_LEFT), hip(_RIGHT)),
+# Geoms that collide with each other: of the left and the right leg, and of the legs with the base.
+LEG_PAIRS = tuple(
+    (f"left_{left}", f"right_{right}")
+    for left, right in (
+        ("foot", "foot"),
+        ("tube", "tube"),
+        ("foot", "tube"),
+        ("tube", "foot"),
+        ("upper_foot", "upper_foot"),
+        ("upper_foot", "tube"),
+        ("tube", "upper_foot"),
+        ("hip", "tube"),
+        ("tube", "hip"),
+    )
 )
 BASE_PAIRS = tuple((tube(side), BASE) for side in SIDES)
 

@@ -8,31 +8,19 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from slider.config.robot import RobotConfig
+from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_spec
 
 TILE = 0.5  # edge of a floor tile [m]
-_SHADOW_TEXELS = 2048
 # What the shadow map covers about the light [m]. With less, or with a light further away, the floor
 # far behind the robot has speckles, which the camera at the front sees.
 _EXTENT = 8.0
-_FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80), (0.55, 0.61, 0.67)
-_SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
-
 _TUBE = (0.12, 0.12, 0.13, 1.0)
-
-
-class Direction(NamedTuple):
-    """Direction of view: turn about the vertical axis from +x, slope (down: negative) [degree]."""
-
-    azimuth: float
-    elevation: float
-
-
+# Direction of view: turn about the vertical axis from +x, slope (down: negative) [degree].
 CAMERAS = {
-    "side": Direction(110.0, -10.0),  # from the right, slightly from behind: the floor shows depth
-    "front": Direction(180.0, -10.0),
+    "side": (110.0, -10.0),  # from the right, slightly from behind: the floor shows depth
+    "front": (180.0, -10.0),
 }
 
 
@@ -67,44 +55,49 @@ def build_scene(
     """
     spec = build_spec(robot, SimulationOptions())
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
-    spec.visual.quality.shadowsize = _SHADOW_TEXELS
+    spec.visual.quality.shadowsize = 2048
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
     spec.visual.headlight.specular = [0.0, 0.0, 0.0]
     spec.stat.extent = _EXTENT  # without it the floor's, and a coarse shadow
     spec.visual.map.shadowclip = 1.0
     spec.visual.map.zfar = 40.0 / _EXTENT
-    _add_sky(spec)
-    _add_floor(spec)
+    _add_textures(spec)
     if relief is not None:
         _raise_floor(spec, relief)
-    _add_light(spec)
-    for side in names.SIDES:
-        _complete_leg(spec, robot, side)
+    spec.body(names.BASE).add_light(  # moves with the robot: as sharp a shadow after ten metres
+        pos=[-0.2, -0.33, 1.0],
+        dir=[0.2, 0.33, -1.0],
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+        diffuse=[0.6, 0.6, 0.6],
+        specular=[0.2, 0.2, 0.2],
+        castshadow=True,
+    )
+    for side, lateral in zip(names.SIDES, (1.0, -1.0), strict=True):
+        _complete_leg(spec, robot.geometry, side, lateral)
     return spec.compile()
 
 
-def _add_sky(spec: mujoco.MjSpec) -> None:
+def _add_textures(spec: mujoco.MjSpec) -> None:
+    """Sky and tiles of the floor."""
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=_SKY_HORIZON,
-        rgb2=_SKY_TOP,
+        rgb1=(0.93, 0.95, 0.97),  # at the horizon
+        rgb2=(0.62, 0.74, 0.88),
         width=256,
         height=1536,
     )
-
-
-def _add_floor(spec: mujoco.MjSpec) -> None:
     spec.add_texture(
         name="tiles",
         type=mujoco.mjtTexture.mjTEXTURE_2D,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
         mark=mujoco.mjtMark.mjMARK_EDGE,
-        rgb1=_FLOOR_LIGHT,
-        rgb2=_FLOOR_DARK,
-        markrgb=_FLOOR_LINE,
+        rgb1=(0.80, 0.83, 0.86),
+        rgb2=(0.70, 0.75, 0.80),
+        markrgb=(0.55, 0.61, 0.67),
         width=512,
         height=512,
     )
@@ -126,46 +119,22 @@ def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
     floor.pos = [0.5 * (left + right), 0.5 * (back + front), lowest]
 
 
-def _add_light(spec: mujoco.MjSpec) -> None:
-    """Light that goes with the robot, so that its shadow is as sharp after ten metres."""
-    spec.body(names.BASE).add_light(
-        pos=[-0.2, -0.33, 1.0],
-        dir=[0.2, 0.33, -1.0],
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
-        diffuse=[0.6, 0.6, 0.6],
-        specular=[0.2, 0.2, 0.2],
-        castshadow=True,
-    )
-
-
-def _complete_leg(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
+def _complete_leg(spec: mujoco.MjSpec, geometry: Geometry, side: str, lateral: float) -> None:
     """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
-    geometry = robot.geometry
-    end = [0, 0, -geometry.leg_length]
-    _decorate(
-        spec.body(f"{side}_slide"), geometry.tube_radius, [*end[:2], end[2] + 0.05, *end], _TUBE
-    )
-    lateral = 1.0 if side == names.SIDES[0] else -1.0
-    for above, (x, y, z) in (
-        ("hip_yaw", geometry.axes.hip_roll),
-        ("hip_roll", geometry.axes.hip_pitch),
-    ):
-        if any((x, y, z)):
-            _decorate(spec.body(f"{side}_{above}"), 0.02, [0, 0, 0, x, lateral * y, z], _TUBE)
+    end, axes = -geometry.leg_length, geometry.axes
     height = geometry.foot_radius - geometry.ankle_height
-    _decorate(spec.body(names.foot(side)), 0.011, [0, 0, 0, 0, 0, height], _TUBE)
-
-
-def _decorate(
-    body: mujoco.MjsBody, radius: float, line: list[float], colour: tuple[float, ...]
-) -> None:
-    body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        size=[radius, 0, 0],
-        fromto=line,
-        rgba=colour,
-        mass=0.0,
-        contype=0,
-        conaffinity=0,
-    )
+    lines = [(f"{side}_slide", geometry.tube_radius, [0, 0, end + 0.05, 0, 0, end])]
+    for above, (x, y, z) in (("hip_yaw", axes.hip_roll), ("hip_roll", axes.hip_pitch)):
+        if any((x, y, z)):
+            lines.append((f"{side}_{above}", 0.02, [0, 0, 0, x, lateral * y, z]))
+    lines.append((names.foot(side), 0.011, [0, 0, 0, 0, 0, height]))
+    for body, radius, line in lines:
+        spec.body(body).add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[radius, 0, 0],
+            fromto=line,
+            rgba=_TUBE,
+            mass=0.0,
+            contype=0,
+            conaffinity=0,
+        )

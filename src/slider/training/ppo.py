@@ -6,7 +6,8 @@ less than each of them (Polyak and Juditsky, 1992), and is exported.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import partial
 from typing import Any, cast
 
 import torch
@@ -17,40 +18,15 @@ from tensordict import TensorDict
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from slider.config.train import PpoConfig, TrainConfig
+from slider.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
+from slider.env.observations import reflected
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
-# rsl-rl logs these against the wall clock instead of the iteration.
-_SKIPPED_SUFFIX = "/time"
-_VOLATILE = "Perf/"  # times and rates: no part of a result
-ITERATION = "iteration"
-AVERAGE = "average_state_dict"
-
-
-@dataclass(frozen=True)
-class NoiseBound:
-    """Greatest standard deviation of the action noise over a training.
-
-    Attributes:
-        first, last: at the start and after the last update; between, geometric.
-        start: share of the updates from which it falls.
-        updates: of the training.
-    """
-
-    first: float
-    last: float
-    start: float
-    updates: int
-
-    def after(self, update: int) -> float:
-        """The bound after so many updates."""
-        begin = self.start * self.updates
-        share = (update - begin) / max(self.updates - begin, 1.0)
-        return self.first * (self.last / self.first) ** min(max(share, 0.0), 1.0)
+_AVERAGE = "average_state_dict"
 
 
 class AnnealedPPO(PPO):
@@ -58,7 +34,7 @@ class AnnealedPPO(PPO):
 
     Args:
         actor_ema: share of the old average that an update leaves; at 0 the average is the actor.
-        noise: bound of the noise over the updates.
+        noise_bound: greatest standard deviation of the action noise after so many updates.
 
     Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
     itself does not see the average.
@@ -69,11 +45,11 @@ class AnnealedPPO(PPO):
         actor: MLPModel,
         *arguments: Any,
         actor_ema: float,
-        noise: NoiseBound,
+        noise_bound: Callable[[int], float],
         **settings: Any,
     ) -> None:
         super().__init__(actor, *arguments, **settings)
-        self._noise = noise
+        self._noise_bound = noise_bound
         self._average = AveragedModel(
             actor, multi_avg_fn=get_ema_multi_avg_fn(actor_ema), use_buffers=True
         )
@@ -87,7 +63,7 @@ class AnnealedPPO(PPO):
         """Update actor and critic, bound the noise, then update the average."""
         losses = super().update()
         actor = self.get_policy()
-        bound = self._noise.after(int(self._average.n_averaged) + 1)
+        bound = self._noise_bound(int(self._average.n_averaged) + 1)
         with torch.no_grad():
             cast(Any, actor).distribution.log_std_param.clamp_(max=math.log(bound))
         self._average.update_parameters(actor)
@@ -95,12 +71,12 @@ class AnnealedPPO(PPO):
 
     def save(self) -> dict:
         """State of everything, the average included."""
-        return {**super().save(), AVERAGE: self._average.state_dict()}
+        return {**super().save(), _AVERAGE: self._average.state_dict()}
 
     def load(self, loaded_dict: dict, load_cfg: dict | None, strict: bool) -> bool:
         """As ``PPO.load``; ``average`` in ``load_cfg`` loads the average."""
         if load_cfg is None or load_cfg.get("average"):
-            self._average.load_state_dict(loaded_dict[AVERAGE], strict=strict)
+            self._average.load_state_dict(loaded_dict[_AVERAGE], strict=strict)
         return super().load(loaded_dict, load_cfg, strict)
 
 
@@ -125,35 +101,27 @@ def runner_config(
         "num_steps_per_env": train.steps_per_iteration,
         "save_interval": _NEVER,  # checkpoints are ours
         "obs_groups": {"actor": ["policy"], "critic": ["policy"]},
-        "logger": {"class_name": _writer_factory(tracker, curve)},
+        # rsl-rl deep-copies its configuration: a function survives that, a writer would not.
+        "logger": {"class_name": lambda log_dir: TrackerLogWriter(tracker, curve)},
         "actor": {**model, "distribution_cfg": distribution},
         "critic": dict(model),
         "algorithm": _algorithm(train),
     }
 
 
-def _writer_factory(tracker: Tracker, curve: list[dict[str, float]]):
-    """A function, since rsl-rl deep-copies its configuration and functions survive that."""
-
-    def create(log_dir: str) -> TrackerLogWriter:
-        return TrackerLogWriter(tracker, curve)
-
-    return create
-
-
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
-    ppo = train.ppo
-    if ppo.precision == "auto":  # depends on the machine: the recipe holds the actual one
-        raise ValueError("expected float32 or bfloat16, found auto")
+    ppo, symmetry = train.ppo, None
+    if ppo.symmetry != "none":  # Mittal et al., ICRA 2024
+        symmetry = {
+            "data_augmentation_func": with_reflections,
+            "use_data_augmentation": ppo.symmetry == "augmentation",
+            "use_mirror_loss": ppo.symmetry == "loss",
+            "mirror_loss_coeff": ppo.symmetry_weight,
+        }
     return {
         "class_name": AnnealedPPO,
         "actor_ema": ppo.actor_ema,
-        "noise": NoiseBound(
-            train.network.std_max,
-            train.network.std_final,
-            train.network.anneal_from,
-            train.iterations,
-        ),
+        "noise_bound": partial(_noise_bound, train.network, train.iterations),
         "num_learning_epochs": ppo.epochs,
         "num_mini_batches": ppo.mini_batches,
         "clip_param": ppo.clip,
@@ -166,8 +134,15 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
         "use_mixed_precision": ppo.precision == "bfloat16",
-        "symmetry_cfg": _symmetry(ppo),
+        "symmetry_cfg": symmetry,
     }
+
+
+def _noise_bound(network: NetworkConfig, updates: int, update: int) -> float:
+    """Bound after ``update`` of the ``updates``: ``std_max``, then geometric to ``std_final``."""
+    begin = network.anneal_from * updates
+    share = (update - begin) / max(updates - begin, 1.0)
+    return network.std_max * (network.std_final / network.std_max) ** min(max(share, 0.0), 1.0)
 
 
 class TrackerLogWriter(LogWriter):
@@ -185,7 +160,7 @@ class TrackerLogWriter(LogWriter):
 
     def add_scalar(self, tag: str, scalar_value: float, global_step: int) -> None:
         """Note one scalar; a new step flushes the last one."""
-        if tag.endswith(_SKIPPED_SUFFIX):
+        if tag.endswith("/time"):  # against the wall clock instead of the iteration
             return
         if global_step != self._step:
             self.stop()
@@ -196,25 +171,9 @@ class TrackerLogWriter(LogWriter):
         """Hand over the scalars of the last iteration."""
         if self._metrics:
             self._tracker.log_metrics(self._metrics, self._step)
-            lasting = {k: v for k, v in self._metrics.items() if not k.startswith(_VOLATILE)}
-            self._curve.append({ITERATION: self._step, **lasting})
+            lasting = {k: v for k, v in self._metrics.items() if not k.startswith("Perf/")}
+            self._curve.append({"iteration": self._step, **lasting})
         self._metrics = {}
-
-
-def _symmetry(ppo: PpoConfig) -> dict[str, Any] | None:
-    """Rsl-rl's ``symmetry_cfg`` of a configuration; none where it is off.
-
-    Rsl-rl either learns from the reflected samples as well or adds a loss on the difference between
-    the action of a reflected observation and the reflected action (Mittal et al., ICRA 2024).
-    """
-    if ppo.symmetry == "none":
-        return None
-    return {
-        "data_augmentation_func": with_reflections,
-        "use_data_augmentation": ppo.symmetry == "augmentation",
-        "use_mirror_loss": ppo.symmetry == "loss",
-        "mirror_loss_coeff": ppo.symmetry_weight,
-    }
 
 
 def with_reflections(
@@ -222,15 +181,9 @@ def with_reflections(
 ) -> tuple[TensorDict | None, torch.Tensor | None]:
     """Observations (B, size) and actions (B, 12), each followed by its reflection (2 B, ·)."""
     if obs is not None:
-        observer = env.agent.observer
-        reflected = obs.clone()
-        reflected["policy"] = _reflect(obs["policy"], observer.permutation, observer.sign)
-        obs = TensorDict.cat([obs, reflected])
+        observer, mirror = env.agent.observer, obs.clone()
+        mirror["policy"] = reflected(obs["policy"], observer.permutation, observer.sign)
+        obs = TensorDict.cat([obs, mirror])
     if actions is not None:
-        actions = torch.cat([actions, _reflect(actions, MIRROR_PERMUTATION, MIRROR_SIGN)])
+        actions = torch.cat([actions, reflected(actions, list(MIRROR_PERMUTATION), MIRROR_SIGN)])
     return obs, actions
-
-
-def _reflect(values: torch.Tensor, permutation: Any, sign: Any) -> torch.Tensor:
-    index = torch.as_tensor(permutation, dtype=torch.long, device=values.device)
-    return values[:, index] * torch.as_tensor(sign, dtype=values.dtype, device=values.device)

@@ -13,9 +13,8 @@ from slider.config.train import WARP, TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.vec_env import Task, task_of
 from slider.library.reader import STORE
-from slider.training import checkpoint
 from slider.training.distributed import device_of, launch, rank
-from slider.training.trainer import WEIGHTS, Trainer
+from slider.training.trainer import WEIGHTS, Trainer, read_checkpoint
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -30,11 +29,14 @@ def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summar
 
 def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) -> Summary:
     """Train, from the weights of another training where given, and export the best policy."""
-    task = _task(section, inputs, guided)
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    train = from_dict(TrainConfig, section["train"])
+    library = inputs["library"][0] / STORE if "library" in inputs else None
+    task = task_of(robot, env, train, library, guided)
     start = inputs["start"][0] / WEIGHTS if "start" in inputs else None
-    if task.train.gpus > 1:  # a damaged checkpoint is set aside before several processes look
-        checkpoint.read(job.work, job.progress)
-    summary, facts = launch(task.train.gpus, _train, task, start, out, job)
+    if train.gpus > 1:  # a damaged checkpoint is set aside before several processes look
+        read_checkpoint(job.work, job.progress)
+    summary, facts = launch(train.gpus, _train, task, start, out, job)
     job.volatile.update(facts)
     return summary
 
@@ -58,10 +60,3 @@ def simulator(train: TrainConfig) -> Callable[..., Any] | None:
         return None
     warp = import_module(WARP)  # Table 1 does not depend on it
     return partial(warp.WarpPhysics, device=device_of(train.device))
-
-
-def _task(section: Section, inputs: Inputs, guided: bool) -> Task:
-    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    settings = from_dict(TrainConfig, section["train"])
-    library = inputs["library"][0] / STORE if "library" in inputs else None
-    return task_of(robot, env, settings, library, guided)

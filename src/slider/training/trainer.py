@@ -1,8 +1,12 @@
 """Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
 
+import hashlib
+import io
+import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,14 +19,13 @@ from slider.control import POLICY_FILE
 from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
-from slider.training import checkpoint
 from slider.training.distributed import device_of, rank, wait_for_all
 from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
 WEIGHTS = "weights.pt"
-_RESUMED = ("actor", "critic", "optimizer", "average")
+CHECKPOINT, BEFORE = "checkpoint.pt", "checkpoint_before.pt"  # the last two, each with a digest
 
 
 class Trainer:
@@ -39,11 +42,10 @@ class Trainer:
         set_up_torch()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
-        self._checkpoint = checkpoint.read(job.work, job.progress)
+        self._checkpoint = read_checkpoint(job.work, job.progress)
         seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0), rank())
         torch.manual_seed(seed)
-        own = replace(task, train=replace(train, seed=seed))
-        device = device_of(train.device)
+        own, device = replace(task, train=replace(train, seed=seed)), device_of(train.device)
         if device != "cpu":
             torch.cuda.set_device(device)  # rsl-rl does so too, but after the first graphs
         self.env = WalkingEnv(own, job.threads, simulate)
@@ -51,16 +53,13 @@ class Trainer:
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
-        self._shrink_first_actions()
+        with torch.no_grad():  # small first actions
+            last = list(self.algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
+            last.mul_(train.network.output_scale)
         self.selector = Selector(task, job.threads)
         self._iteration = 0
         self._best: dict[str, Any] = {}
         self._history: list[dict[str, float]] = []
-
-    def _shrink_first_actions(self) -> None:
-        with torch.no_grad():
-            last = list(self.algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
-            last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
         """Initialise actor, critic and normalisers; the action noise keeps its initial size.
@@ -78,7 +77,8 @@ class Trainer:
 
     def run(self) -> None:
         """Train up to the configured number of iterations, resuming where a killed job was."""
-        self._resume()
+        if self._checkpoint:
+            self._resume(self._checkpoint)
         started, done_before = time.monotonic(), self._iteration
         total = self._task.train.iterations
         while self._iteration < total:
@@ -87,7 +87,7 @@ class Trainer:
             # a trained policy rarely falls: robots of one age would all be reset at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
-            self.env.check()
+            self.env.physics.check()
             wait_for_all()
             if rank() > 0:  # the first process checks and writes for all
                 continue
@@ -97,23 +97,18 @@ class Trainer:
             self._report(score, pace)
         if not self._best and rank() == 0:
             self._check()
-        self._job.volatile["blow_ups"] = self.env.total_diverged
+        self._job.volatile["blow_ups"] = int(self.env.diverged)
 
     def _check(self) -> Score:
         """Score the current policy; remember it if it is the best so far."""
         actor = self.algorithm.averaged_actor.state_dict()
-        network = self._network(actor)
-        score = self.selector.score(network)
+        score = self.selector.score(self._network(actor))
         numbers = score.numbers()
         self._history.append({"iteration": self._iteration, **numbers})
         if not self._best or score.value <= self._best["score"]["value"]:
             critic = self.algorithm.save()["critic_state_dict"]
             weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
-            self._best = {
-                "score": score.numbers(),
-                "iteration": self._iteration,
-                "weights": weights,
-            }
+            self._best = {"score": numbers, "iteration": self._iteration, "weights": weights}
         metrics = {f"selection/{name}": value for name, value in numbers.items()}
         self._job.tracker.log_metrics(metrics, self._iteration)
         return score
@@ -143,15 +138,13 @@ class Trainer:
             "command_share": self.env.curriculum.share.item(),
             "terrain_levels": self.env.terrain_levels,
         }
-        checkpoint.write(content, self._job.work)
+        write_checkpoint(content, self._job.work)
         for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
             leftover.unlink()
 
-    def _resume(self) -> None:
-        content = self._checkpoint
-        if not content:
-            return
-        self.algorithm.load(content, dict.fromkeys(_RESUMED, True), True)
+    def _resume(self, content: Mapping[str, Any]) -> None:
+        loaded = ("actor", "critic", "optimizer", "average")
+        self.algorithm.load(dict(content), dict.fromkeys(loaded, True), True)
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
@@ -211,3 +204,52 @@ def _noise_seed(seed: int, iteration: int, process: int) -> int:
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {name: value.detach().cpu().clone() for name, value in state.items()}
+
+
+def write_checkpoint(content: dict[str, Any], folder: Path) -> None:
+    """Put a checkpoint in the place of the last one, which becomes the one before.
+
+    Its bytes are on the disk before its name is: a power cut leaves one of the two whole.
+    """
+    buffer = io.BytesIO()
+    torch.save(content, buffer)
+    partial = folder / f"{CHECKPOINT}.partial"
+    with partial.open("wb") as file:
+        file.write(_digest(buffer.getbuffer()) + b"\n")
+        file.write(buffer.getbuffer())
+        file.flush()
+        os.fsync(file.fileno())
+    if (folder / CHECKPOINT).exists():
+        (folder / CHECKPOINT).replace(folder / BEFORE)
+    partial.replace(folder / CHECKPOINT)
+
+
+def read_checkpoint(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
+    """The newest whole checkpoint, or nothing.
+
+    Damaged ones are renamed to ``*.damaged``; ``say`` shows one line about each.
+    """
+    paths = [path for path in (folder / CHECKPOINT, folder / BEFORE) if path.exists()]
+    for path, before in zip_longest(paths, paths[1:]):
+        content = _content(path)
+        if content is not None:
+            return content
+        path.replace(path.with_name(f"{path.name}.damaged"))
+        start = "from the one before" if before else "anew"
+        say(f"{path} is damaged and set aside: the training starts {start}")
+    return {}
+
+
+def _content(path: Path) -> dict[str, Any] | None:
+    """Content of a file; none where it is damaged."""
+    try:
+        digest, _, data = path.read_bytes().partition(b"\n")
+    except OSError:  # such as a failing disk
+        return None
+    if digest != _digest(data):
+        return None
+    return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
+
+
+def _digest(data: bytes | memoryview) -> bytes:
+    return hashlib.sha256(data).hexdigest().encode()

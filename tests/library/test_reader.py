@@ -76,11 +76,3 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
     np.testing.assert_array_equal(library.straight.velocities, [velocities[1], velocities[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
-
-
-def test_nearest_gait():
-    velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 3))
-    others = np.random.default_rng(0).uniform(-1.0, 3.0, (200, 3))
-    nearest = GaitLibrary({"velocities": velocities}, {}).nearest(others)
-    distance = np.linalg.norm(velocities - others[:, None], axis=2)
-    np.testing.assert_array_equal(nearest, distance.argmin(axis=1))

@@ -237,10 +237,6 @@ class GaitLibrary:
         arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
         return GaitLibrary(arrays, {**self.attributes, "holes": holes})
 
-    def nearest(self, velocity: np.ndarray) -> np.ndarray:
-        """Index (N,) of the gait nearest to each velocity (N, 3); 1 rad/s counts as 1 m/s."""
-        return np.linalg.norm(velocity[:, None] - self.velocities, axis=2).argmin(axis=1)
-
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
         """Index of the gait of a velocity [m/s, rad/s].
 

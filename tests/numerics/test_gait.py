@@ -89,17 +89,6 @@ def test_the_prismatic_robot_stands_where_the_gait_says(velocity, k):
     np.testing.assert_allclose(line, axes[:, 0], atol=1e-7)
 
 
-def test_a_straight_walk_does_not_know_of_a_yaw_rate():
-    """A yaw rate that is no number would spoil every row that it enters."""
-    x, unknown = near_a_gait(), np.array([0.5, 0.05, np.nan])
-    nlp = Nlp(problem())
-    straight, found = (flat(nlp.objective_and_rows(x, p)[1]) for p in ([0.5, 0.05, 0.0], unknown))
-    np.testing.assert_array_equal(found, straight)
-    np.testing.assert_array_equal(
-        *(flat(nlp.hessian(x, p, 1.0, np.ones(len(found)))) for p in ([0.5, 0.05, 0.0], unknown))
-    )
-
-
 def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_one():
     """To the last bit; the mean velocity is the base's then, and the feet's here."""
     x, velocity = solved(0.5, 0.1).variables, [0.5, 0.1, 0.0]

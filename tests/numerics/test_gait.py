@@ -69,7 +69,7 @@ def test_reflected_velocities_have_reflected_gaits(velocity):
 @both
 @pytest.mark.parametrize("k", [0, 7, 20, 21, 30, 41])
 def test_the_prismatic_robot_stands_where_the_gait_says(velocity, k):
-    """MuJoCo's kinematics: stance sole on its line, yawed in the second step; swing sole beside."""
+    """MuJoCo's kinematics: stance sole on its line, yawed in the second step; swing sole."""
     found = arrays(velocity)
     model = build_model(config().robot, SimulationOptions())
     data = mujoco.MjData(model)

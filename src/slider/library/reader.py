@@ -56,7 +56,7 @@ ARRAYS: dict[str, Array] = {
     "iterations": Array("1"),
     "residuals": Array("unit of the constraint", ("constraint",)),
 }
-# One value per gait, beside its place in the arrays; xarray takes them for coordinates.
+# One value per gait; xarray takes them for coordinates.
 COORDINATES: dict[str, Array] = {
     "vx": Array("m/s"),
     "vy": Array("m/s"),

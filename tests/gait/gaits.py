@@ -5,12 +5,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from pipeline.stages.gaits import gait_section
 from slider.config.compose import compose
 from slider.config.schema import Config
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, NodeSymbols
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
@@ -52,6 +53,15 @@ def trajectory(vx: float, vy: float) -> KneeTrajectory:
 def nodes(vx: float, vy: float) -> np.ndarray:
     """Node vectors (42, 34) of a solved gait; the second step is reflected."""
     return problem().layout.node_vectors(solved(vx, vy).variables).reshape(-1, NODE)
+
+
+def inverse_dynamics(form: Formulation) -> ca.Function:
+    """Torques, efforts, ground force and moment of a node vector (34,)."""
+    x = ca.SX.sym("x", NODE)
+    s, tree = NodeSymbols.of(x), form.tree
+    found = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+    results = [found.torques, found.efforts, *tree.line_wrench(s.roll, found)]
+    return ca.Function("inverse_dynamics", [x], results)
 
 
 def section(vx: float, vy: float, yaw_rate: float = 0.0, **solver_settings: Any) -> dict[str, Any]:

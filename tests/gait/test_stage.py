@@ -5,12 +5,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from slider.core.job import Job
+from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
 from slider.gait.stage import REPORT, WORTH, run
 from tests.gait.gaits import problem, section, solved
@@ -20,21 +20,21 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-def solve_into(out: Path, *args: float, **solver_settings: Any):
+def solve_into(out: Path):
     out.mkdir()
     job = Job(out)
-    return run(section(*args, **solver_settings), {}, out, job), job
+    return run(section(0.6, 0.1), {}, out, job), job
 
 
 @pytest.fixture(scope="module")
 def gait(tmp_path_factory):
     out = tmp_path_factory.mktemp("stage") / "first"
-    summary, job = solve_into(out, 0.6, 0.1)
+    summary, job = solve_into(out)
     return out, summary, job
 
 
 def test_same_input_gives_the_same_bytes(gait, tmp_path: Path):
-    summary, _ = solve_into(tmp_path / "second", 0.6, 0.1)
+    summary, _ = solve_into(tmp_path / "second")
     assert contents(tmp_path / "second") == contents(gait[0])
     assert summary == gait[1]
 
@@ -42,7 +42,7 @@ def test_same_input_gives_the_same_bytes(gait, tmp_path: Path):
 def test_ipopts_option_file_in_the_working_directory_changes_no_byte(gait, tmp_path, monkeypatch):
     (tmp_path / "ipopt.opt").write_text("nlp_scaling_method none\nmax_cpu_time 0.05\n")
     monkeypatch.chdir(tmp_path)
-    solve_into(tmp_path / "hostile", 0.6, 0.1)
+    solve_into(tmp_path / "hostile")
     assert contents(tmp_path / "hostile") == contents(gait[0])
 
 
@@ -72,12 +72,18 @@ def test_the_gait_converges_and_times_stay_outside(gait):
 
 
 def test_a_gait_that_does_not_converge_is_a_result(tmp_path: Path):
-    summary, _ = solve_into(tmp_path / "short", 0.6, 0.1, max_iterations=3, guesses=["cold"])
+    """A decoupling below its bound is named as any other constraint."""
+    given = section(0.6, 0.1, max_iterations=3, guesses=["cold"])
+    given["solve"]["decoupling_min"] = 1e3
+    summary = run(given, {}, tmp_path, Job(tmp_path))
     assert summary["status"] == "Maximum_Iterations_Exceeded"
     assert not summary["converged"]
-    report = json.loads((tmp_path / "short" / REPORT).read_text())
-    assert max(report["residuals"].values()) == summary["max_violation"] > 1e-3
-    assert np.isfinite(np.load(tmp_path / "short" / "samples.npy")).all()
+    report = json.loads((tmp_path / REPORT).read_text())
+    least = np.load(tmp_path / f"{DECOUPLING}.npy")[:, 0].min()
+    assert max(report["residuals"].values()) == summary["max_violation"] == 1e3 - least > 900
+    assert report["residuals"]["impact"] > 1e-3
+    assert report["worst"][DECOUPLING] == f"{least:.3g}, at least 1e+03"
+    assert np.isfinite(np.load(tmp_path / "samples.npy")).all()
 
 
 def test_gait_jobs_import_what_they_need():

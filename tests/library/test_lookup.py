@@ -66,15 +66,6 @@ def test_quaternions_are_unit_and_do_not_cancel(library):
     assert (np.abs(found[:, 0]) > 0.99).all()
 
 
-def test_a_line_of_velocities_and_a_single_gait_make_tables(library):
-    line = [i for i, v in enumerate(VELOCITIES) if v[1] == 0.0]
-    for chosen, velocity in ((line, 0.73), (line[:1], 0.0)):
-        names = ("velocities", "samples", "base", "step_time")
-        part = GaitLibrary({name: library.arrays[name][chosen] for name in names}, {})
-        found = look_up(GaitTable.from_library(part), velocity, 0.0, 0.0)
-        np.testing.assert_allclose(found[:26], value("samples", velocity, 0.0)[0], atol=1e-9)
-
-
 def test_joints_and_channels_are_parts_of_the_reference(table):
     velocity = np.array([(0.0, 0.05, 0.0), (0.73, 0.04, 0.2), (1.5, 0.0, -0.1)])
     phase = np.array([0.13, 0.49, 0.87])

@@ -74,14 +74,9 @@ VELOCITIES = np.array(
 )
 
 
-def test_neighbours_follow_one_another_in_a_row_or_a_column():
-    found = {tuple(sorted(pair)) for pair in neighbours(VELOCITIES).tolist()}
-    assert found == {(0, 1), (1, 2), (1, 3), (0, 4)}
-
-
-def test_gaits_of_other_yaw_rates_are_neighbours_at_one_velocity_only():
-    turned = VELOCITIES[[0, 1]] + [0.0, 0.0, 0.3]
-    found = neighbours(np.concatenate([VELOCITIES, turned, VELOCITIES[:1] + [0.0, 0.0, 0.6]]))
+def test_neighbours_follow_one_another_along_one_axis_of_the_velocity():
+    turned = [*VELOCITIES[:2] + [0.0, 0.0, 0.3], VELOCITIES[0] + [0.0, 0.0, 0.6]]
+    found = neighbours(np.array([*VELOCITIES, *turned]))
     found = {tuple(sorted(pair)) for pair in found.tolist()}
     assert found == {(0, 1), (1, 2), (1, 3), (0, 4), (5, 6), (0, 5), (1, 6), (5, 7)}
 

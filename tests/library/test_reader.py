@@ -22,20 +22,12 @@ def store(tmp_path_factory) -> Path:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            lambda group: shutil.rmtree(group.store.root),
-            "expected a gait library at {}, found none",
-        ),
+        (lambda group: shutil.rmtree(group.store.root), "expected a gait library at {}, found"),
         (lambda group: group.attrs.update(schema="x"), "expected a gait library at {}, found the"),
         (lambda group: group.attrs.update(version=1), "{}: expected version 5 of the gait library"),
-        *(
-            (lambda group, name=name: group.__delitem__(name), f"{{}}: expected {name!r} in the")
-            for name in ("samples", "status", CONSTRAINT)
-        ),
-        *(
-            (lambda group, name=name: group.attrs.__delitem__(name), f"{{}}: expected {name!r} in")
-            for name in ("dynamics", "holes")
-        ),
+        (lambda group: group.__delitem__("samples"), "{}: expected 'samples' in the gait library"),
+        (lambda group: group.__delitem__(CONSTRAINT), "{}: expected 'constraint' in the gait"),
+        (lambda group: group.attrs.__delitem__("holes"), "{}: expected 'holes' in the gait"),
     ],
 )
 def test_what_is_no_library_is_refused_in_one_line(store, tmp_path: Path, change, message):
@@ -84,11 +76,3 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
     np.testing.assert_array_equal(library.straight.velocities, [velocities[1], velocities[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
-
-
-def test_nearest_gait():
-    velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 3))
-    others = np.random.default_rng(0).uniform(-1.0, 3.0, (200, 3))
-    nearest = GaitLibrary({"velocities": velocities}, {}).nearest(others)
-    distance = np.linalg.norm(velocities - others[:, None], axis=2)
-    np.testing.assert_array_equal(nearest, distance.argmin(axis=1))

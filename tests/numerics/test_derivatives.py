@@ -6,7 +6,7 @@ import pytest
 
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.solve import Nlp
-from slider.gait.transcription import NODE, STEP
+from slider.gait.transcription import NODE
 from tests.gait.gaits import config, problem, solver
 
 STEP_SIZE = 1e-6
@@ -79,29 +79,19 @@ def test_node_hessian(turning):
     assert_close(hessian, differences(lagrangian_gradient, x))
 
 
-@both
-def test_impact_and_step_ends(turning):
-    rng = np.random.default_rng(1)
-    y, velocity = flat(problem().layout.select_ends @ near_a_gait()), np.array([0.5, 0.05, 0.3])
-    functions = problem(turning).functions
-    value, slope = functions["ends"], functions["ends_jacobian"]
-    assert y.shape == (2 * STEP,)
-    jacobian = dense(slope(y, velocity)[1])
-    assert_close(jacobian, differences(lambda z: flat(value(z, velocity)), y))
-    multipliers = rng.normal(size=len(jacobian))
-    expected = differences(lambda z: dense(slope(z, velocity)[1]).T @ multipliers, y)
-    assert_close(dense(functions["ends_hessian"](y, velocity, multipliers)), expected)
-
-
-def test_collocation():
-    rng = np.random.default_rng(2)
-    x, functions = near_a_gait(), problem().functions
-    value, slope = functions["collocation"], functions["collocation_jacobian"]
-    jacobian = dense(slope(x)[1])
-    assert_close(jacobian, differences(lambda z: flat(value(z)), x))
-    multipliers = rng.normal(size=len(jacobian))
-    expected = differences(lambda z: dense(slope(z)[1]).T @ multipliers, x)
-    assert_close(dense(functions["collocation_hessian"](x, multipliers)), expected)
+@pytest.mark.parametrize(
+    ("name", "turning"), [("ends", False), ("ends", True), ("collocation", False)]
+)
+def test_impact_and_step_ends_and_collocation(name, turning):
+    functions, x, velocity = problem(turning).functions, near_a_gait(), list[np.ndarray]()
+    if name == "ends":
+        x, velocity = flat(problem().layout.select_ends @ x), [np.array([0.5, 0.05, 0.3])]
+    value, slope = functions[name], functions[f"{name}_jacobian"]
+    jacobian = dense(slope(x, *velocity)[1])
+    assert_close(jacobian, differences(lambda z: flat(value(z, *velocity)), x))
+    multipliers = np.random.default_rng(1).normal(size=len(jacobian))
+    expected = differences(lambda z: dense(slope(z, *velocity)[1]).T @ multipliers, x)
+    assert_close(dense(functions[f"{name}_hessian"](x, *velocity, multipliers)), expected)
 
 
 @both

@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.gait.formulation import Formulation, NodeSymbols
+from slider.gait.formulation import Formulation
 from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.transcription import NODE
 from slider.robot.knee_map import reflected
 from slider.robot.names import GRAVITY, SIDES
 from slider.verification.plant import Plant, PlantState, plant_state
-from tests.gait.gaits import config
+from tests.gait.gaits import config, inverse_dynamics
 from tests.robot.lopsided import lopsided
 
 POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
@@ -22,15 +22,6 @@ POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
 @cache
 def plant() -> Plant:
     return Plant(lopsided())
-
-
-@cache
-def inverse_dynamics() -> ca.Function:
-    """Efforts, ground force and moment of a node vector (34,)."""
-    x = ca.SX.sym("x", NODE)
-    s, tree = NodeSymbols.of(x), Formulation(lopsided(), config().gait).tree
-    dynamic = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
-    return ca.Function("rooted", [x], [dynamic.efforts, *tree.line_wrench(s.roll, dynamic)])
 
 
 def standing(side: str, roll: np.ndarray, q: np.ndarray, *motion: np.ndarray) -> PlantState:
@@ -42,11 +33,11 @@ def standing(side: str, roll: np.ndarray, q: np.ndarray, *motion: np.ndarray) ->
 
 @pytest.mark.parametrize("side", SIDES)
 def test_efforts_and_wrench(side):
-    rng = np.random.default_rng(0)
+    rng, rooted = np.random.default_rng(0), inverse_dynamics(Formulation(lopsided(), config().gait))
     for _ in range(10):
         x = rng.normal(size=NODE) * [0.2, 1, 5, *[0.5] * 10, *[1] * 10, *[2] * 10, 0]
         x[[6, 11]], x[-1] = rng.uniform(0.3, 1.5, 2), 1.0  # bent knees; a step of 1 s
-        efforts, force, moment = (value.full().ravel() for value in inverse_dynamics()(x))
+        _, efforts, force, moment = (value.full().ravel() for value in rooted(x))
         joints = plant().slides.joint_motion(x[3:13], x[13:23], x[23:33])
         needed, jacobian = plant().inverse(standing(side, x[:3], *joints), side)
         if side == "right":

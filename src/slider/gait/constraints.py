@@ -38,18 +38,23 @@ class Constraint:
 
     Attributes:
         name: under which residuals are reported.
-        expression: (n,).
+        rows: (n,).
         lower, upper: bounds.
         scale: what the solver divides by.
         node_lower: lower bound at the nodes, where it leaves a margin for what happens between.
     """
 
     name: str
-    expression: ca.SX
+    rows: Rows
     lower: Bound
     upper: Bound
-    scale: float
+    scale: float = 1.0
     node_lower: Bound | None = None
+
+    @property
+    def expression(self) -> ca.SX:
+        """The rows in one column."""
+        return ca.vertcat(*self.rows) if isinstance(self.rows, list) else self.rows
 
     @property
     def size(self) -> int:
@@ -63,32 +68,19 @@ class Constraint:
         return [np.broadcast_to(side, (len(phase), self.size)) / self.scale for side in sides]
 
 
-def between(
-    name: str,
-    rows: Rows,
-    lower: Bound,
-    upper: Bound,
-    scale: float = 1.0,
-    node_lower: Bound | None = None,
-) -> Constraint:
-    """Rows bounded on both sides."""
-    expression = ca.vertcat(*rows) if isinstance(rows, list) else rows
-    return Constraint(name, expression, lower, upper, scale, node_lower)
-
-
 def equality(name: str, rows: Rows, scale: float) -> Constraint:
     """Rows that are zero."""
-    return between(name, rows, 0.0, 0.0, scale)
+    return Constraint(name, rows, 0.0, 0.0, scale)
 
 
 def at_least(name: str, rows: Rows, least: float, scale: float = 1.0) -> Constraint:
     """Rows bounded below."""
-    return between(name, rows, least, np.inf, scale)
+    return Constraint(name, rows, least, np.inf, scale)
 
 
 def within(name: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
     """Rows bounded in magnitude."""
-    return between(name, rows, -bound, bound)
+    return Constraint(name, rows, -bound, bound)
 
 
 def scaled_rows(constraints: Sequence[Constraint]) -> ca.SX:
@@ -133,7 +125,7 @@ def of_node(node: Node) -> list[Constraint]:
     for name, bound in node.form.config.bounds.items():
         if name not in _BOUNDED:
             raise UserError(f"gait.bounds: expected one of {', '.join(_BOUNDED)}, found {name}")
-        constraints.append(between(name, _BOUNDED[name](node), bound.lower, bound.upper))
+        constraints.append(Constraint(name, _BOUNDED[name](node), bound.lower, bound.upper))
     return constraints
 
 
@@ -152,7 +144,7 @@ def _loads(node: Node) -> list[Constraint]:
         at_least("friction", cone, 0.0, weight),
         within("motor_torque", node.torque_shares, 1.0),
         within("motor_voltage", node.voltage_shares, form.config.voltage),
-        between("position", [leg[2:] for leg in legs], lower, upper),
+        Constraint("position", [leg[2:] for leg in legs], lower, upper),
     ]
 
 
@@ -165,8 +157,8 @@ def _legs(node: Node) -> list[Constraint]:
     at_nodes = _arc(posture.clearance + posture.clearance_margin, posture.clearance_from)
     nearest, farthest = posture.foot_separation_min, posture.foot_separation_max
     return [
-        between("clearance", [toe[2], heel[2]], low, posture.swing_height, _LENGTH, at_nodes),
-        between("foot_separation", lateral, nearest, farthest),
+        Constraint("clearance", [toe[2], heel[2]], low, posture.swing_height, _LENGTH, at_nodes),
+        Constraint("foot_separation", lateral, nearest, farthest),
         at_least("legs_apart", node.leg_distances(), posture.legs_apart),
     ]
 
@@ -224,7 +216,7 @@ def of_touchdown(
         # The conditions of contact on impulses, which are of the order of 1 N s.
         at_least("impact_vertical_force", vertical, 0.0),
         at_least("impact_friction", cone, 0.0),
-        between("touchdown_speed", down, limit.down_min, limit.down_max),
+        Constraint("touchdown_speed", down, limit.down_min, limit.down_max),
         at_least("lift_off", up, 0.0),
         within("touchdown_velocity", [velocity[0], velocity[1], foot.angular], slow),
     ]

@@ -31,6 +31,7 @@ from slider.robot import names
 from slider.robot.bodies import Body, knee_bodies, prismatic_bodies
 from slider.robot.transmission import leg_inertia
 
+# Of a body in its own frame: angular velocity, angular acceleration, the origin's less gravity.
 Motion = tuple[ca.SX, ca.SX, ca.SX]
 
 
@@ -90,19 +91,13 @@ class StanceTree:
         turning = ca.vertcat(roll_acceleration, 0, 0)
         linear = ca.cross(turning, up) + ca.cross(angular, ca.cross(angular, up))
         linear += rotation(0, roll).T @ ca.DM([0, 0, names.GRAVITY])
-        return self.newton_euler(angular, turning, linear, q, v, a)
+        return self.newton_euler((angular, turning, linear), q, v, a)
 
-    def newton_euler(
-        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
-        """Recursive Newton-Euler pass from the stance foot's motion (in its own frame).
+    def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
+        """Recursive Newton-Euler pass from the stance foot's motion in its own frame.
 
-        Args:
-            angular, turning: angular velocity and acceleration of the foot.
-            linear: acceleration of the foot's origin minus gravity.
-            q, v, a: joint positions, velocities, accelerations (10,).
+        ``q``, ``v``, ``a``: joint positions, velocities, accelerations (10,).
         """
-        foot = angular, turning, linear
         torques, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
@@ -125,11 +120,8 @@ class SlideTree(StanceTree):
         self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
         self._damping = ca.DM(np.tile(damping, 2))
 
-    def newton_euler(
-        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
+    def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
-        foot = angular, turning, linear
         efforts, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         efforts += self._inertia @ a + self._damping * v
         return InverseDynamics(efforts, efforts, force, moment)
@@ -142,13 +134,11 @@ class PrismaticTree(StanceTree):
         super().__init__(robot)
         self._slides = SlideTree(robot)
 
-    def newton_euler(
-        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
+    def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """As :meth:`SlideTree.newton_euler`; torques are the virtual knee's."""
         place, rate = self.map.positions(q), self.map.velocities(q, v)
         turn = self.map.accelerations(q, v, a)
-        dynamics = self._slides.newton_euler(angular, turning, linear, place, rate, turn)
+        dynamics = self._slides.newton_euler(foot, place, rate, turn)
         return replace(dynamics, torques=self.map.knee_torques(q, dynamics.efforts))
 
 

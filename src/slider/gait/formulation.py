@@ -213,10 +213,8 @@ def impact(
     new = form.tree.foot_pose(after.roll, after.roll_rate)
     angular = new.angular - reflect_axial @ foot.angular
     linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
-    zero, rest = ca.SX.zeros(3), ca.SX.zeros(NUM_JOINTS)
-    return form.tree.newton_euler(
-        zero, angular, linear, after.q, rest, after.v - mirrored(before.v)
-    )
+    jump, rest = (ca.SX.zeros(3), angular, linear), ca.SX.zeros(NUM_JOINTS)
+    return form.tree.newton_euler(jump, after.q, rest, after.v - mirrored(before.v))
 
 
 def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:

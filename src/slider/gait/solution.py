@@ -114,9 +114,9 @@ def dense_violations(
     ``yaw_rate`` [rad/s] is the commanded one. The roll equation holds at nodes only; between them
     its residual measures the collocation.
     """
-    phase = dense_phase(problem)
+    phase = np.linspace(0.0, 1.0, DENSE * (problem.layout.nodes - 1) + 1)
     lower, upper = scaled_bounds(problem.node_constraints, phase, at_nodes=False)
-    x = dense_nodes(problem, variables)
+    x = dense_nodes(problem, variables, phase)
     turns = np.stack([yaw_rate * np.repeat([1.0, -1.0], len(phase)), np.tile(phase - 0.5, 2)])
     evaluate = problem.functions["node"].map(len(x))
     rows = np.array(evaluate(x.T, np.ones((1, len(x))), turns)[1]).T
@@ -125,18 +125,13 @@ def dense_violations(
     return {block.name: float(beyond[block.rows].max() * block.scale) for block in blocks}
 
 
-def dense_phase(problem: GaitProblem) -> np.ndarray:
-    """The phases of a step at which a solution is checked."""
-    return np.linspace(0.0, 1.0, DENSE * (problem.layout.nodes - 1) + 1)
-
-
-def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
-    """Node vectors (2 · phases, 34) between the nodes.
+def dense_nodes(problem: GaitProblem, variables: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    """Node vectors (2 · phases, 34) at phases of both steps.
 
     Bézier joints are evaluated; what is collocated is the integral of its quadratically
     interpolated derivative.
     """
-    layout, phase = problem.layout, dense_phase(problem)
+    layout = problem.layout
     nodes = layout.node_vectors(variables)
     dense = np.zeros((2, len(phase), NODE))
     dense[..., -1] = nodes[:, :1, -1]

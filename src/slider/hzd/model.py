@@ -175,14 +175,9 @@ class RootedModel:
         new = s.tree.foot_pose(roll, rate[0])
         turning = new.angular - _AXIAL * foot.angular
         linear = new.rotation.T @ new.linear - _POLAR * (foot.rotation.T @ foot.linear)
-        jump = s.tree.newton_euler(
-            ca.SX.zeros(3),
-            turning,
-            linear,
-            place[1:],
-            ca.SX.zeros(NUM_JOINTS),
-            rate[1:] - mirrored(s.v[1:]),
-        )
+        foot_jump, rest = (ca.SX.zeros(3), turning, linear), ca.SX.zeros(NUM_JOINTS)
+        change = rate[1:] - mirrored(s.v[1:])
+        jump = s.tree.newton_euler(foot_jump, place[1:], rest, change)
         impulse = ca.vertcat(s.tree.line_wrench(roll, jump)[1][0], jump.efforts)
         mass = ca.jacobian(impulse, rate)
         carried = -ca.substitute(impulse, rate, ca.SX.zeros(NUM))

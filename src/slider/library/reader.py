@@ -56,7 +56,7 @@ ARRAYS: dict[str, Array] = {
     "iterations": Array("1"),
     "residuals": Array("unit of the constraint", ("constraint",)),
 }
-# One value per gait, beside its place in the arrays; xarray takes them for coordinates.
+# One value per gait; xarray takes them for coordinates.
 COORDINATES: dict[str, Array] = {
     "vx": Array("m/s"),
     "vy": Array("m/s"),
@@ -236,10 +236,6 @@ class GaitLibrary:
         holes = [hole for hole in self.attributes["holes"] if hole["yaw_rate"] == rate]
         arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
         return GaitLibrary(arrays, {**self.attributes, "holes": holes})
-
-    def nearest(self, velocity: np.ndarray) -> np.ndarray:
-        """Index (N,) of the gait nearest to each velocity (N, 3); 1 rad/s counts as 1 m/s."""
-        return np.linalg.norm(velocity[:, None] - self.velocities, axis=2).argmin(axis=1)
 
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
         """Index of the gait of a velocity [m/s, rad/s].

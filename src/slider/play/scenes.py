@@ -26,6 +26,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Episode, Frame
 from slider.env.starts import at_rest, multiply_quaternions
 from slider.library.lookup import StepTimes
+from slider.library.mesh import distances
 from slider.library.reader import GaitLibrary
 from slider.robot.kinematics import about_z
 from slider.robot.names import NUM_JOINTS
@@ -186,7 +187,7 @@ class Replay:
     """
 
     def __init__(self, library: GaitLibrary, velocity: Sequence[float], period: float) -> None:
-        index = int(library.nearest(np.array([velocity]))[0])
+        index = int(distances(library.velocities, velocity).argmin())
         self.period = period
         self.velocity = library.velocities[index]
         durations = library.step_time[index]

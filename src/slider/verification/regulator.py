@@ -6,6 +6,7 @@ The foot lands level along its heading, and what the last impact left of errors 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,9 +20,15 @@ _HIP_ITERATIONS, _CLOSE = 200, 1e-13  # at most; [rad]
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
-@dataclass(frozen=True)
-class Reference:
-    """A point of a step; units and frames: :class:`StepReference`."""
+class Reference(NamedTuple):
+    """A point of a step on the prismatic robot, relative to the stance foot, world axes.
+
+    Attributes:
+        joints, velocities, efforts: (12,).
+        com, com_velocity: centre of mass (3,) [m] and its velocity [m/s].
+        swing, direction: sole of the swing foot (3,) [m] and direction of its line.
+        tilt: sines of the base's roll and pitch (2,).
+    """
 
     joints: np.ndarray
     velocities: np.ndarray
@@ -33,8 +40,7 @@ class Reference:
     tilt: np.ndarray
 
 
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(NamedTuple):
     """State that the regulator receives, world axes; in a verification it is exact.
 
     Attributes:
@@ -53,21 +59,6 @@ class Measurement:
 
 
 @dataclass(frozen=True)
-class Touchdown:
-    """Errors just after a touchdown, of the joints (12,) and of the swing foot (3,) [m]."""
-
-    joints: np.ndarray
-    swing: np.ndarray
-
-
-def touchdown(measured: Measurement, desired: Reference) -> Touchdown:
-    """Errors at the start of a step, to be faded out over it."""
-    return Touchdown(
-        measured.joints - desired.joints, measured.swing - measured.stance - desired.swing
-    )
-
-
-@dataclass(frozen=True)
 class Regulator:
     """Joint targets of a step of a gait of forward velocity ``speed`` [m/s]."""
 
@@ -79,17 +70,22 @@ class Regulator:
         self,
         measured: Measurement,
         desired: Reference,
-        past: Touchdown,
+        past: tuple[np.ndarray, np.ndarray],
         side: str,
         phase: float,
         left: float,
     ) -> np.ndarray:
-        """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go."""
+        """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go.
+
+        ``past`` are the errors of joints (12,) and swing foot (3,) [m] just after the touchdown.
+        The stance hip holds the torso where it should be in the world, not on the leg.
+        """
         fade = 1.0 - _smooth(phase / self.config.fade)
-        targets = desired.joints + fade * past.joints
-        self._hold_torso(targets, measured, desired, side)
-        place = measured.stance + desired.swing + fade * past.swing
-        place[:2] += _smooth(phase / self.config.placement_end) * self.displacement(
+        targets = desired.joints + fade * past[0]
+        hips = names.SIDES.index(side) * _PRISMATIC + _HIP
+        targets[hips] = measured.joints[hips] + (tilt_of(measured.base[1]) - desired.tilt)
+        place = measured.stance + desired.swing + fade * past[1]
+        place[:2] += _smooth(phase / self.config.placement_end) * self._displacement(
             measured, desired, left
         )
         other = names.other_side(side)
@@ -99,15 +95,7 @@ class Regulator:
         )
         return targets
 
-    def _hold_torso(
-        self, targets: np.ndarray, measured: Measurement, desired: Reference, side: str
-    ) -> None:
-        """Let the stance hip hold the torso where it should be in the world, not on the leg."""
-        error = tilt_of(measured.base[1]) - desired.tilt
-        hips = names.SIDES.index(side) * _PRISMATIC + _HIP
-        targets[hips] = measured.joints[hips] + error
-
-    def displacement(self, measured: Measurement, desired: Reference, left: float) -> np.ndarray:
+    def _displacement(self, measured: Measurement, desired: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""
         frequency = np.sqrt(names.GRAVITY / desired.com[2])
         place = measured.com - measured.stance - desired.com

@@ -4,7 +4,6 @@
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -15,68 +14,51 @@ from slider.robot import names
 from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
-from slider.verification.plant import Plant, PlantState
-from slider.verification.regulator import Measurement, Reference, Regulator, tilt_of, touchdown
+from slider.verification.plant import Plant
+from slider.verification.regulator import Measurement, Reference, Regulator, tilt_of
 from slider.verification.stored import StoredGait
 
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
-
-
-_ENDS = np.cumsum([0] + [names.NUM_JOINTS] * 3 + [3, 3, 3, 3, 2])
-_PARTS = [slice(start, end) for start, end in pairwise(_ENDS)]
+_ENDS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])  # of the fields of a reference
 
 
 @dataclass(frozen=True)
 class StepReference:
-    """N points of a step on the prismatic robot, relative to the stance foot, world axes.
-
-    Attributes:
-        side: the stance foot's.
-        duration: [s].
-        table: (N, 12 + 12 + 12 + 3 + 3 + 3 + 3 + 2) joints, velocities, efforts, centre of mass
-            [m] and its velocity [m/s], sole of the swing foot [m], direction of its line, sines
-            of the base's roll and pitch.
-    """
+    """N points of a step: stance side, duration [s], and their references in a table (N, 50)."""
 
     side: str
     duration: float
     table: np.ndarray
 
-    def at(self, time: float) -> "Reference":
+    def at(self, time: float) -> Reference:
         """Linear interpolation; before the start and after the end the outermost points hold."""
         place = min(max(time / self.duration, 0.0), 1.0) * (len(self.table) - 1)
         k = min(int(place), len(self.table) - 2)
         row = self.table[k] + (place - k) * (self.table[k + 1] - self.table[k])
-        return Reference(*(row[part] for part in _PARTS))
+        return Reference(*np.split(row, _ENDS))
 
 
-def tabulate(gait: StoredGait, plant: Plant, points: int) -> tuple[StepReference, StepReference]:
+def tabulate(gait: StoredGait, plant: Plant, points: int) -> list[StepReference]:
     """Both steps of a gait after eq. 1 (exact), with the plant's own efforts.
 
     The ground wrench is the one that balances the base, but for a moment about the foot line,
     which the line cannot carry; of a gait with the prismatic leg's dynamics it is the gait's.
     """
-    steps = []
+    steps, data = [], plant.data
+    base = plant.model.body(names.BASE).id
     for motion in gait.steps:
-        times = np.linspace(0.0, motion.duration, points)
-        rows = [_row(plant, plant.moving(motion, time), motion.side) for time in times]
+        foot, rows = data.site(names.sole(names.other_side(motion.side))), []
+        for time in np.linspace(0.0, motion.duration, points):
+            state = plant.moving(motion, time)
+            efforts, _ = plant.balanced(state, motion.side)
+            mujoco.mj_subtreeVel(plant.model, data)
+            parts = [state.qpos[7:], state.qvel[6:], efforts]
+            parts += [data.subtree_com[base], data.subtree_linvel[base]]
+            parts += [foot.xpos, foot.xmat.reshape(3, 3)[:, 0]]
+            rows.append(np.concatenate([*parts, tilt_of(data.xmat[base].reshape(3, 3))]))
         steps.append(StepReference(motion.side, motion.duration, np.array(rows)))
-    return steps[0], steps[1]
-
-
-def _row(plant: Plant, state: PlantState, side: str) -> np.ndarray:
-    efforts, _ = plant.balanced(state, side)
-    data, model = plant.data, plant.model
-    mujoco.mj_subtreeVel(model, data)
-    base = model.body(names.BASE).id
-    foot = data.site(names.sole(names.other_side(side)))
-    direction = foot.xmat.reshape(3, 3)[:, 0]
-    joints, velocities = state.qpos[7:], state.qvel[6:]
-    return np.concatenate(
-        [joints, velocities, efforts, data.subtree_com[base], data.subtree_linvel[base]]
-        + [foot.xpos, direction, tilt_of(data.xmat[base].reshape(3, 3))]
-    )
+    return steps
 
 
 class Simulation:
@@ -129,20 +111,12 @@ class Simulation:
             data.site(names.sole(names.other_side(side))).xpos @ axes,
         )
 
-    def loaded(self, side: str) -> bool:
-        """Whether a foot touches the ground."""
-        force = self.data.sensor(f"{side}_foot_force").data
-        return bool(np.linalg.norm(force) > self.config.contact)
-
-    def fallen(self) -> bool:
-        """Whether the base is too low, tilted too far or not finite."""
-        height, upright = self.data.xpos[self.base, 2], self.data.xmat[self.base, 8]
-        falls = height < self.config.height or upright < np.cos(self.config.tilt)
-        return bool(falls or not np.isfinite(self.data.qpos).all())
-
 
 def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
-    """Completed steps of the replay; without any there is no error of the mean velocity [m/s]."""
+    """Completed steps of the replay; without any there is no error of the mean velocity [m/s].
+
+    The distance is forward, that of each step of a gait that turns along the step's course.
+    """
     config, speed = simulation.config, float(gait.velocities[0])
     references = tabulate(gait, plant, config.points)
     regulator = Regulator(simulation.robot.geometry, config.regulator, speed)
@@ -157,25 +131,22 @@ def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[st
         courses.append(simulation.course)
     if not steps:
         return {"regulated_steps": 0.0}
-    mean = _distance(np.array(places), np.array(courses)) / time
-    return {"regulated_steps": float(steps), "regulated_speed": abs(mean - speed)}
-
-
-def _distance(places: np.ndarray, courses: np.ndarray) -> float:
-    """Distance forward [m] through places (S, 2), each part of it along its course (S,) [rad]."""
-    if not courses.any():
-        return float(places[-1, 0] - places[0, 0])
-    parts, along = np.diff(places, axis=0), courses[:-1]
-    return float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
+    distance = float(places[-1][0] - places[0][0])
+    if any(courses):
+        parts, along = np.diff(places, axis=0), np.array(courses[:-1])
+        distance = float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
+    return {"regulated_steps": float(steps), "regulated_speed": abs(distance / time - speed)}
 
 
 def regulated_step(simulation: Simulation, step: StepReference, regulator: Regulator) -> bool:
     """One step from touchdown to touchdown; false where the robot falls."""
-    config = simulation.config
-    start = float(simulation.data.time)
-    past = touchdown(simulation.measure(step.side), step.at(0.0))
-    swing = names.other_side(step.side)
-    time = 0.0
+    config, data = simulation.config, simulation.data
+    start, time = float(data.time), 0.0
+    measured, desired = simulation.measure(step.side), step.at(0.0)
+    past = (
+        measured.joints - desired.joints,
+        measured.swing - measured.stance - desired.swing,
+    )
     while time < config.patience * step.duration:
         desired = step.at(time)
         late = max(0.0, time - step.duration)
@@ -184,9 +155,12 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
         phase, left = time / step.duration, step.duration - time
         targets = regulator.targets(measured, desired, past, step.side, phase, left)
         simulation.drive(targets, desired)
-        time = float(simulation.data.time) - start
-        if simulation.fallen():
+        time = float(data.time) - start
+        height, upright = data.xpos[simulation.base, 2], data.xmat[simulation.base, 8]
+        fallen = height < config.height or upright < np.cos(config.tilt)
+        if fallen or not np.isfinite(data.qpos).all():
             return False
-        if time > _EARLY * step.duration and simulation.loaded(swing):
+        force = data.sensor(f"{names.other_side(step.side)}_foot_force").data
+        if time > _EARLY * step.duration and np.linalg.norm(force) > config.contact:
             return True
     return False

@@ -13,15 +13,15 @@ from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, TORCH_EXPORT
 from slider.control.export import (
     LAYOUT_FILE,
     LAYOUT_KEY,
-    Agreement,
+    TOLERANCE,
     compare,
     export,
     record_observations,
     run,
-    run_onnx,
     save_onnx,
     write_files,
 )
+from slider.control.exported import OnnxNetwork
 from slider.control.policy import PolicyNetwork, load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
@@ -42,12 +42,14 @@ def folder(tmp_path_factory):
 def test_another_network_is_refused(folder):
     policy = load_policy(folder / "policy.pt")
     observations = record_observations(policy, 0.1)
+    files = folder / ONNX, folder / TORCH_EXPORT
+    assert max(compare(policy, *files, observations)[1:]) <= TOLERANCE
     policy.network.std[3] += 0.01
-    found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
     with pytest.raises(UserError, match="actions of the ONNX file within 1e-05"):
-        found.check()
-    with pytest.raises(UserError, match=r"torch.export file within 1e-05"):
-        Agreement(1, onnx=0.0, torch_export=float("nan")).check()
+        compare(policy, *files, observations)
+    policy.network.std[3] = float("nan")
+    with pytest.raises(UserError, match="found a difference of nan"):
+        compare(policy, *files, observations)
 
 
 def test_the_layout_is_in_all_three_files(folder):
@@ -154,5 +156,5 @@ def test_onnx_loads_in_the_runtimes_of_2022_with_any_activation(tmp_path, activa
     observations = torch.randn(7, 5)
     with torch.inference_mode():
         expected = network(observations).numpy()
-    actions = run_onnx(tmp_path / ONNX, observations.numpy())
+    actions = OnnxNetwork(tmp_path / ONNX, 5)(observations)
     np.testing.assert_allclose(actions, expected, atol=1e-6)

@@ -10,30 +10,21 @@ layout inside both. Their actions are compared with the policy's on observations
 import json
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 import onnx
-import onnxruntime
 import torch
 from onnx import TensorProto, helper, numpy_helper
 from torch import nn
 
 from slider.config.convert import from_dict
 from slider.config.env import EstimatorConfig
-from slider.control import (
-    EXPORT_FILES,
-    LAYOUT,
-    MODEL,
-    ONNX,
-    POLICY_FILE,
-    REFERENCE,
-    TORCH_EXPORT,
-)
+from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE, REFERENCE, TORCH_EXPORT
+from slider.control.exported import OnnxNetwork
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
 from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
 from slider.core.errors import UserError
@@ -57,26 +48,12 @@ SPEEDS = (0.0, 0.4, 0.8, 1.2, 2.2, 3.0)  # commands of the roll-out [m/s]
 _ROBOTS = 4  # per command
 
 
-@dataclass(frozen=True)
-class Agreement:
+class Agreement(NamedTuple):
     """Largest differences of an action from the policy's over ``observations`` observations."""
 
     observations: int
     onnx: float
     torch_export: float
-
-    def check(self) -> None:
-        """Refuse an export that acts differently.
-
-        Raises:
-            UserError: a difference is larger than ``TOLERANCE``.
-        """
-        for name, difference in (("ONNX", self.onnx), ("torch.export", self.torch_export)):
-            if not difference <= TOLERANCE:  # NaN is refused too
-                raise UserError(
-                    f"policy export: expected the actions of the {name} file within "
-                    f"{TOLERANCE:g} of the policy's, found a difference of {difference:.3g}"
-                )
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -118,9 +95,7 @@ def export(
     """
     policy = write_files(policy_file, origin, out, estimator)
     observations = record_observations(policy, _DURATION, threads)
-    agreement = compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
-    agreement.check()
-    return agreement
+    return compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
 
 
 def write_files(
@@ -168,23 +143,23 @@ def record_observations(policy: Policy, duration: float, threads: int = 1) -> np
 
 
 def compare(policy: Policy, onnx_file: Path, exported: Path, observations: np.ndarray) -> Agreement:
-    """Run both files, read back from disk, on observations (N, size)."""
+    """Run both files, read back from disk, on observations (N, size).
+
+    Raises:
+        UserError: an action differs by more than ``TOLERANCE``.
+    """
+    given = torch.from_numpy(observations)
     with torch.inference_mode():
-        expected = policy.network(torch.from_numpy(observations)).numpy()
-        reloaded = torch.export.load(exported).module()(torch.from_numpy(observations)).numpy()
-    return Agreement(
-        observations=len(observations),
-        onnx=float(np.abs(run_onnx(onnx_file, observations) - expected).max()),
-        torch_export=float(np.abs(reloaded - expected).max()),
-    )
-
-
-def run_onnx(path: Path, observations: np.ndarray) -> np.ndarray:
-    """Actions (N, 12) of observations (N, size) by onnxruntime, with one thread."""
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
-    return np.asarray(session.run(None, {INPUT: observations})[0])
+        expected = policy.network(given)
+        others = OnnxNetwork(onnx_file, given.shape[1]), torch.export.load(exported).module()
+        differences = [float((other(given) - expected).abs().max()) for other in others]
+    for name, difference in zip(("ONNX", "torch.export"), differences, strict=True):
+        if not difference <= TOLERANCE:  # NaN is refused too
+            raise UserError(
+                f"policy export: expected the actions of the {name} file within "
+                f"{TOLERANCE:g} of the policy's, found a difference of {difference:.3g}"
+            )
+    return Agreement(len(observations), *differences)
 
 
 def save_torch(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> None:

@@ -38,16 +38,8 @@ QUANTITIES: dict[str, tuple[str, str]] = {
 }
 """Unit and meaning of each column."""
 _OVER_SPEED = (
-    "spectral_radius",
-    "closed_spectral_radius",
-    "gain_position",
-    "gain_lateral",
-    "gain_forward",
-    "invariance_impact",
-    "invariance_free",
-    "invariance_anchored",
-    "hip_share",
-    "decoupling",
+    *("spectral_radius", "closed_spectral_radius", "gain_position", "gain_lateral", "gain_forward"),
+    *("invariance_impact", "invariance_free", "invariance_anchored", "hip_share", "decoupling"),
 )
 
 

@@ -160,9 +160,15 @@ def integrate_roll(
         moment, inertia = robot.line_moment_and_inertia(still, motion.side)
         return np.array([state[1], -moment / inertia])
 
-    tolerances = {"rtol": integrator.relative, "atol": integrator.absolute}
-    span = times[0], times[-1]
-    result = solve_ivp(derivative, span, start, "DOP853", t_eval=times, **tolerances)
+    result = solve_ivp(
+        derivative,
+        (times[0], times[-1]),
+        start,
+        "DOP853",
+        t_eval=times,
+        rtol=integrator.relative,
+        atol=integrator.absolute,
+    )
     if not result.success:
         raise RuntimeError(f"integration of the roll: {result.message}")
     return result.y.T

@@ -64,31 +64,15 @@ def test_the_layout_is_in_all_three_files(folder):
     assert layout["training"] == {"seed": 1, "iteration": 20, "value": 0.25}
 
 
-def models(folder):
-    """The simulated model and the one of the export."""
-    policy = make_policy()
-    plant = BatchedPhysics(policy.robot, policy.env.physics, 1).model
-    return plant, mujoco.MjModel.from_xml_path(str(folder / MODEL))
-
-
-def test_the_model_is_the_simulated_one(folder):
-    plant, model = models(folder)
-    for name in ("body_mass", "body_inertia", "body_ipos", "jnt_range", "dof_damping"):
-        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name))
-    for name in ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "geom_friction"):
-        np.testing.assert_allclose(getattr(model, name), getattr(plant, name), rtol=1e-12)
-    for name in ("dof_armature", "tendon_armature", "wrap_type", "wrap_objid", "wrap_prm"):
-        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
-    for name in ("pair_geom1", "pair_geom2", "pair_dim", "pair_friction", "pair_solref"):
-        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
-    for name in ("timestep", "iterations", "ls_iterations", "integrator", "jacobian"):
-        assert getattr(model.opt, name) == getattr(plant.opt, name)
-
-
 def test_the_model_steps_like_the_simulated_one(folder):
     """In the air, on the ground, and with legs that touch: 40 steps from the same states."""
-    plant, model = models(folder)
-    air, standing, crossed = np.tile(nominal_qpos(make_policy().robot), (3, 1))
+    policy = make_policy()
+    plant = BatchedPhysics(policy.robot, policy.env.physics, 1).model
+    model = mujoco.MjModel.from_xml_path(str(folder / MODEL))
+    for name in ("jnt_range", "actuator_forcerange", "geom_friction"):  # beyond these states
+        np.testing.assert_allclose(getattr(model, name), getattr(plant, name), rtol=1e-12)
+    assert model.opt.timestep == plant.opt.timestep
+    air, standing, crossed = np.tile(nominal_qpos(policy.robot), (3, 1))
     air[2], standing[2] = 1.2, standing[2] - 0.002
     crossed[2], crossed[[8, 14]] = 1.2, (-0.16, 0.16)  # hip rolls that bring the legs together
     feet, tubes = {"left_foot", "right_foot"}, {"left_tube", "right_tube"}

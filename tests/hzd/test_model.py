@@ -155,18 +155,14 @@ def test_matrices_and_columns_of_any_number_of_rows(compiled, tmp_path):
     batch, single = Batch([x, y], results, functions), ca.Function("single", [x, y], results)
     assert len(list(tmp_path.glob("*.so"))) == compiled
     rng = np.random.default_rng(0)
+    kept = []
     for n in (1, 4, 2, 0):
         a, b = rng.normal(size=(n, 3)), rng.normal(size=(2, n)).T  # the second not in C's order
         found = batch(a, b)
+        kept.append((found[0], found[0].copy()))
         assert [part.shape for part in found] == [(n, 3), (n, 3, 2), (n, 2)]
         for row in range(n):
             for part, expected in zip(found, single(a[row], b[row]), strict=True):
                 np.testing.assert_array_equal(part[row], expected.full().reshape(part[row].shape))
-
-
-def test_results_stay_when_it_is_called_again():
-    x = ca.SX.sym("x", 1)
-    batch = Batch([x], [2 * x])
-    first = batch(np.ones((3, 1)))[0]
-    batch(np.zeros((3, 1)))
-    np.testing.assert_array_equal(first, 2.0)
+    for values, before in kept:  # results stay when it is called again
+        np.testing.assert_array_equal(values, before)

@@ -25,11 +25,7 @@ FORMAT = "slider-policy"
 VERSION = 9
 _ALL = slice(None)  # robots
 UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
-ACTIVATIONS: dict[str, type[nn.Module]] = {
-    "elu": nn.ELU,
-    "relu": nn.ReLU,
-    "tanh": nn.Tanh,
-}
+ACTIVATIONS: dict[str, type[nn.Module]] = {"elu": nn.ELU, "relu": nn.ReLU, "tanh": nn.Tanh}
 
 
 class PolicyNetwork(nn.Module):

@@ -24,6 +24,7 @@ def test_terms_tile_the_observation_and_are_explained(name):
         observations = terms
     layout = describe(policy, {})
     assert json.loads(json.dumps(layout)) == layout
+    assert (layout["clock"] is None) == (name == "paper")
     rows, end = layout["observation"]["terms"], 0
     assert [row["name"] for row in rows] == list(observations)
     for row in rows:
@@ -74,13 +75,6 @@ def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():
         for motor in describe(policy, {})["action"]["motors"]
     ]
     np.testing.assert_allclose(angles, motor_angles(targets), rtol=1e-12)
-
-
-def test_a_policy_without_a_clock_says_so():
-    assert describe(make_policy("env=paper"), {})["clock"] is None
-    clock = describe(make_policy(), {})["clock"]
-    assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]), 1)
-    assert clock["yaw_rate"] == [0.0]
 
 
 def test_a_zero_action_is_the_nominal_pose_or_the_gait():

@@ -61,7 +61,6 @@ def foreign(path, content) -> None:
     [
         (None, "expected a policy file at {path}, found none"),
         (b"not a policy", "{path}: expected a policy file of this project"),
-        (b"", "{path}: expected a policy file of this project"),
         (torch.zeros(3), "{path}: expected format slider-policy, found Tensor"),
         ({"format": None}, "{path}: expected format slider-policy, found None"),
         ({"version": 99}, "{path}: expected version 9, found 99"),
@@ -103,9 +102,10 @@ def seen(observations: torch.Tensor) -> TensorDict:
     return TensorDict({"policy": observations}, batch_size=[len(observations)])
 
 
-@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
-@pytest.mark.parametrize("hidden", [[16], [32, 16], [8] * 6])
-def test_equals_the_actor_of_training(hidden, activation):
+@pytest.mark.parametrize(
+    ("activation", "hidden"), [("elu", [16]), ("relu", [32, 16]), ("tanh", [8] * 6)]
+)
+def test_equals_the_actor_of_training(activation, hidden):
     actor = make_actor(hidden, activation)
     for _ in range(2):
         network = from_actor(actor.state_dict(), hidden, activation, NORMALISER_EPSILON)

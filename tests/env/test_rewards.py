@@ -10,7 +10,6 @@ from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import View
 from slider.library.lookup import GaitTable
-from slider.library.mesh import distances
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (
     config,

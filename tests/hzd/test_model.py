@@ -1,14 +1,9 @@
 """The rooted robot against MuJoCo and the touchdowns of gaits; functions of many rows at once."""
 
-import shutil
-
 import casadi as ca
 import mujoco
 import numpy as np
-import pytest
 
-from slider.core.casadi_code import Compiled, interpreted
-from slider.core.job import Job
 from slider.gait.outputs import ANKLE, stance_first
 from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
@@ -139,34 +134,19 @@ def test_a_displaced_foot_keeps_its_height_pitch_and_yaw():
         np.testing.assert_allclose((ahead - behind) / (2 * size), np.eye(5)[k], atol=1e-7)
 
 
-@pytest.mark.parametrize(
-    "compiled",
-    [
-        False,
-        pytest.param(
-            True, marks=pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-        ),
-    ],
-)
-def test_matrices_and_columns_of_any_number_of_rows(compiled, tmp_path):
-    functions = Compiled(Job(tmp_path, cache=tmp_path), "tests") if compiled else interpreted
+def test_matrices_and_columns_of_any_number_of_rows():
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
     results = [ca.sin(x) * y[0], x @ y.T, ca.vertcat(y[1] ** 2, 0)]
-    batch, single = Batch([x, y], results, functions), ca.Function("single", [x, y], results)
-    assert len(list(tmp_path.glob("*.so"))) == compiled
+    batch, single = Batch([x, y], results), ca.Function("single", [x, y], results)
     rng = np.random.default_rng(0)
+    kept = []
     for n in (1, 4, 2, 0):
         a, b = rng.normal(size=(n, 3)), rng.normal(size=(2, n)).T  # the second not in C's order
         found = batch(a, b)
+        kept.append((found[0], found[0].copy()))
         assert [part.shape for part in found] == [(n, 3), (n, 3, 2), (n, 2)]
         for row in range(n):
             for part, expected in zip(found, single(a[row], b[row]), strict=True):
                 np.testing.assert_array_equal(part[row], expected.full().reshape(part[row].shape))
-
-
-def test_results_stay_when_it_is_called_again():
-    x = ca.SX.sym("x", 1)
-    batch = Batch([x], [2 * x])
-    first = batch(np.ones((3, 1)))[0]
-    batch(np.zeros((3, 1)))
-    np.testing.assert_array_equal(first, 2.0)
+    for values, before in kept:  # results stay when it is called again
+        np.testing.assert_array_equal(values, before)

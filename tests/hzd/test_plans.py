@@ -1,13 +1,10 @@
 """Gaits whose phase is the hip pass each place once."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from slider.core.arrays import take
 from slider.core.errors import UserError
-from slider.hzd import plans as module
 from slider.hzd.constraints import phase_of
 from slider.hzd.plans import plans
 from tests.hzd.sample import CLOCK, HIP, library, loop, settings, steps
@@ -21,15 +18,13 @@ def test_the_least_velocity_is_a_share_of_the_mean():
 
 
 def test_a_hip_that_turns_back_is_named(monkeypatch):
-    along, config = module._along, settings()
+    config, constrained = settings(), loop().model.constrained
 
     def turned_back(*arguments):
-        table, ankle = along(*arguments)
-        slopes = table.slopes.copy()
-        slopes[:, 7] = -0.01
-        return replace(table, slopes=slopes), ankle
+        rows, bias, slope, bend = constrained(*arguments)
+        return rows, bias, -slope, bend
 
-    monkeypatch.setattr(module, "_along", turned_back)
+    monkeypatch.setattr(loop().model, "constrained", turned_back)
     plans(library(), np.array([CLOCK]), loop().model, config)
     with pytest.raises(UserError, match=r"turns back in the gait \(0\.6, 0\.1\) m/s"):
         plans(library(), np.array([CLOCK, HIP]), loop().model, config)

@@ -38,11 +38,14 @@ def test_shares_follow_the_limits():
     assert before["dense_voltage"] < other["dense_voltage"] < after["dense_voltage"]
 
 
-def test_positions_beyond_a_range_show():
-    robot = config().robot
+def test_positions_beyond_a_range_and_a_higher_clearance_show():
+    robot, posture, before = config().robot, config().gait.posture, worst()
     tight = robot.joints | {"slide": replace(robot.joints["slide"], upper=0.0)}
-    assert worst()["dense_position"] == 0.0
+    assert before["dense_position"] == 0.0
     assert worst(robot=replace(robot, joints=tight))["dense_position"] > 0.02
+    assert before["dense_clearance"] < 0.003
+    higher = replace(posture, clearance=posture.clearance + 0.05)
+    assert 0.015 < worst(posture=higher)["dense_clearance"] < 0.03  # it swings higher than it must
 
 
 def test_legs_are_as_far_apart_as_their_feet_at_most():
@@ -60,11 +63,3 @@ def test_legs_that_cross_show():
         coefficients[:, [1, 6]] += [[[-0.2], [0.2]]]  # hip rolls inwards
 
     assert legs_apart(spoiled(gait, "coefficients", crossed), plant(), 21)["dense_leg_distance"] < 0
-
-
-def test_a_higher_clearance_is_missed_by_more():
-    posture = config().gait.posture
-    before = worst()["dense_clearance"]
-    after = worst(posture=replace(posture, clearance=posture.clearance + 0.05))["dense_clearance"]
-    assert before < 0.003
-    assert 0.015 < after < 0.03  # the foot swings higher than it must

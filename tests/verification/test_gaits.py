@@ -9,7 +9,6 @@ from slider.verification.quantities import QUANTITIES
 from slider.verification.stage import check_gait
 from slider.verification.summary import failures
 from tests.verification.sample import (
-    VELOCITIES,
     config,
     gaits,
     knee_gait,
@@ -31,14 +30,10 @@ def failed(gait, names=OWN, dynamics="prismatic", experiment="default") -> set[s
     return {failure.quantity for failure in failures(row, bounds)}
 
 
-@pytest.mark.parametrize("index", range(len(VELOCITIES)))
-def test_solved_gaits_pass(index):
-    assert failed(gaits()[index], (*OWN, *SLOW)) == set()
-
-
-@pytest.mark.parametrize("index", [0, 1])
-def test_gaits_that_turn_pass(index):
-    assert failed(turning_gaits()[index], (*OWN, *SLOW)) == set()
+@pytest.mark.parametrize("turns", [False, True])
+def test_solved_gaits_pass(turns):
+    for gait in turning_gaits() if turns else gaits():
+        assert failed(gait, (*OWN, *SLOW)) == set()
 
 
 def add(index, amount):
@@ -77,27 +72,23 @@ def test_gaits_with_the_knees_dynamics_fail_the_checks_of_the_plant_only():
 
 
 def test_checks_give_all_quantities():
-    values, seconds = check_gait(gaits()[0], table())
-    assert set(values) == set(QUANTITIES)
-    assert seconds.keys() == table().keys()
+    assert set(check_gait(gaits()[0], table())) == set(QUANTITIES)
 
 
 def test_a_value_that_is_no_number_is_the_worst_one():
     nothing = {"roll": lambda _: {"roll_end": np.nan, "regulated_steps": np.nan}}
-    values, _ = check_gait(gaits()[0], nothing)
-    assert values == {"roll_end": np.inf, "regulated_steps": -np.inf}
+    expected = {"roll_end": np.inf, "regulated_steps": -np.inf}
+    assert check_gait(gaits()[0], nothing) == expected
 
 
 @pytest.mark.parametrize(
     ("array", "change", "caught"),
     [
         ("knee_torques", add((5, 2), 1e-3), {"dynamics_torque"}),
-        ("knee_torques", flip((slice(None), 1)), {"dynamics_torque"}),
         ("efforts", add((30, 3), 1e-5), {"dynamics_efforts", "plant_efforts"}),
         ("ground_wrench", add((30, 2), 1e-5), {"dynamics_base", "plant_force"}),
         ("ground_wrench", add((7, 3), 1e-5), {"dynamics_line_moment", "plant_moment"}),
         ("roll", add((0, 9, 2), 1e-5), {"dynamics_base", "plant_force", "plant_efforts"}),
-        ("velocities", add(0, 0.01), {"mean_velocity"}),
         ("swing_foot", add((20, 0), 1e-4), {"mean_velocity"}),
         ("step_time", add(1, 1e-4), {"mean_velocity"}),
         ("base", add((41, 2), 1e-4), {"periodicity"}),
@@ -108,14 +99,8 @@ def test_a_value_that_is_no_number_is_the_worst_one():
     ],
 )
 def test_spoiled_gaits_are_caught(array, change, caught):
-    assert caught <= failed(spoiled(gaits()[1], array, change))
-
-
-def test_a_wrong_torque_or_velocity_fails_one_check_only():
-    torque = spoiled(gaits()[1], "knee_torques", add((5, 2), 1e-3))
-    assert failed(torque) == {"dynamics_torque"}
-    velocity = spoiled(gaits()[1], "velocities", add(1, 0.01))
-    assert failed(velocity) == {"mean_velocity"}
+    found = failed(spoiled(gaits()[1], array, change))
+    assert caught == found if array == "knee_torques" else caught <= found
 
 
 def test_an_unphysical_roll_is_caught_by_the_other_integrator():

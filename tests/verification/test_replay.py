@@ -5,10 +5,13 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from slider.robot import names
+from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
-from slider.verification.replay import Simulation, regulated, tabulate
+from slider.verification.replay import Simulation, level_leg, regulated, tabulate
+from tests.robot.lopsided import lopsided
 from tests.verification.sample import config, gaits, plant, turning_gaits
 
 
@@ -17,22 +20,17 @@ def simulation(steps: int) -> Simulation:
     return Simulation(config().robot, settings)
 
 
-def test_foot_placement_keeps_a_gait_up():
-    walk = regulated(gaits()[1], simulation(12), plant())
-    assert walk["regulated_steps"] == 12
-    assert walk["regulated_speed"] < 0.03
-
-
-def test_a_gait_that_turns_is_walked_along_its_course():
+@pytest.mark.parametrize("turns", [False, True])
+def test_foot_placement_keeps_a_gait_up_along_its_course(turns):
     """With the course of another gait the same regulator places the feet wrongly."""
-    gait, robot = turning_gaits()[1], simulation(12)
+    gait, robot = (turning_gaits() if turns else gaits())[1], simulation(12)
     walk = regulated(gait, robot, plant())
     assert walk["regulated_steps"] == 12
     assert walk["regulated_speed"] < 0.03
     assert robot.course == pytest.approx(6 * gait.turns.sum())
     heading = robot.data.xmat[robot.base].reshape(3, 3)[:, 0]
     assert np.arctan2(heading[1], heading[0]) == pytest.approx(robot.course, abs=0.2)
-    assert robot.course > 1.0
+    assert (robot.course > 1.0) == turns
 
 
 def test_a_gait_that_cannot_start_has_no_speed():
@@ -95,3 +93,25 @@ def test_drives_add_the_gains_times_the_error():
     capstan = 0.001 / drum * robot_kp["capstan"].kp
     expected = [0, 0, 0.01 * robot_kp["hip_pitch"].kp, capstan, capstan, *[0] * 5]
     np.testing.assert_allclose(added, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("robot", [config().robot, lopsided()], ids=["slider", "lopsided"])
+@pytest.mark.parametrize("side", names.SIDES)
+def test_the_sole_is_where_it_should_be_and_its_line_along_the_heading(side, robot):
+    model = build_model(robot, SimulationOptions())
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(3)
+    sign = 1.0 if side == "left" else -1.0
+    for _ in range(20):
+        rotation = Rotation.from_euler("xyz", rng.normal(size=3) * 0.15)
+        position = np.array([0.0, 0.0, 0.7]) + rng.normal(size=3) * 0.03
+        sole = np.array([0.0, sign * 0.1, 0.0]) + rng.normal(size=3) * 0.05
+        heading = Rotation.from_euler("zy", rng.normal(size=2) * 0.1).as_matrix()[:, 0]
+        joints = level_leg(robot.geometry, side, (position, rotation.as_matrix()), sole, heading)
+        data.qpos[:7] = [*position, *rotation.as_quat(scalar_first=True)]
+        start = 7 + names.SIDES.index(side) * len(names.LEG_JOINTS)
+        data.qpos[start : start + 5] = joints
+        mujoco.mj_kinematics(model, data)
+        foot = data.site(names.sole(side))
+        np.testing.assert_allclose(foot.xpos, sole, atol=1e-12)
+        np.testing.assert_allclose(foot.xmat.reshape(3, 3)[:, 0], heading, atol=1e-12)

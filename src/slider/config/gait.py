@@ -231,7 +231,7 @@ class IntegratorConfig:
 
 @dataclass(frozen=True, config=t.STRICT)
 class RegulatorConfig:
-    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
+    """Step-to-step foot placement of the replay; see ``slider.verification.replay``."""
 
     lateral: t.Factor
     """share of the predicted error that a step takes away, sideways"""

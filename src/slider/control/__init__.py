@@ -2,9 +2,8 @@
 
 POLICY_FILE = "policy.pt"  # of a training
 ONNX = "policy.onnx"
-TORCH_EXPORT = "policy.pt2"
 LAYOUT = "policy.json"
 MODEL = "robot.xml"
 REFERENCE = "reference.npy"
-EXPORT_FILES = (POLICY_FILE, ONNX, TORCH_EXPORT, LAYOUT, MODEL, REFERENCE)
+EXPORT_FILES = (POLICY_FILE, ONNX, LAYOUT, MODEL, REFERENCE)
 """Files of a policy for use without this package."""

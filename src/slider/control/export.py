@@ -1,7 +1,7 @@
 """The stage ``policy_export``: a policy for use without this package, as files of one folder.
 
-The networks are an ONNX file, which runtimes since 2022 load, and a ``torch.export`` file, with the
-layout inside both. Their actions are compared with the policy's on observations of a roll-out.
+The network is an ONNX file, which runtimes since 2022 load, with the layout inside. Its actions are
+compared with the policy's on observations of a roll-out.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -10,7 +10,6 @@ layout inside both. Their actions are compared with the policy's on observations
 import json
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -18,22 +17,14 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import onnx
-import onnxruntime
 import torch
 from onnx import TensorProto, helper, numpy_helper
 from torch import nn
 
 from slider.config.convert import from_dict
 from slider.config.env import EstimatorConfig
-from slider.control import (
-    EXPORT_FILES,
-    LAYOUT,
-    MODEL,
-    ONNX,
-    POLICY_FILE,
-    REFERENCE,
-    TORCH_EXPORT,
-)
+from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE, REFERENCE
+from slider.control.exported import OnnxNetwork
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
 from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
 from slider.core.errors import UserError
@@ -48,53 +39,28 @@ from slider.robot.names import JOINTS, MOTORS
 from slider.robot.transmission import Transmission
 
 LAYOUT_KEY = "slider_policy_layout"  # in the metadata of the ONNX file
-LAYOUT_FILE = "layout.json"  # among the extra files of the torch.export file
 _IR, _OPSET = 8, 13  # of ONNX 1.10, which onnxruntime has loaded since 1.10
-_TRACES = ("stack_trace", "nn_module_stack", "source_fn_stack", "from_node", "torch_fn")
 _DURATION = 4.0  # of the roll-out [s]
 TOLERANCE = 1e-5  # of an action
 SPEEDS = (0.0, 0.4, 0.8, 1.2, 2.2, 3.0)  # commands of the roll-out [m/s]
 _ROBOTS = 4  # per command
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """Largest differences of an action from the policy's over ``observations`` observations."""
-
-    observations: int
-    onnx: float
-    torch_export: float
-
-    def check(self) -> None:
-        """Refuse an export that acts differently.
-
-        Raises:
-            UserError: a difference is larger than ``TOLERANCE``.
-        """
-        for name, difference in (("ONNX", self.onnx), ("torch.export", self.torch_export)):
-            if not difference <= TOLERANCE:  # NaN is refused too
-                raise UserError(
-                    f"policy export: expected the actions of the {name} file within "
-                    f"{TOLERANCE:g} of the policy's, found a difference of {difference:.3g}"
-                )
-
-
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Export the walking policy."""
     torch.set_num_threads(job.threads)
     estimator = section["estimator"]
-    agreement = export(
+    observations, difference = export(
         inputs["walking"][0] / POLICY_FILE,
         section["origin"],
         out,
         job.threads,
         None if estimator is None else from_dict(EstimatorConfig, estimator),
     )
-    job.volatile["onnx_difference"] = agreement.onnx  # rounding depends on the machine
-    job.volatile["torch_export_difference"] = agreement.torch_export
+    job.volatile["onnx_difference"] = difference  # rounding depends on the machine
     for name in EXPORT_FILES:
         job.tracker.log_file(out / name)
-    return {"observations": agreement.observations, "tolerance": TOLERANCE}
+    return {"observations": observations, "tolerance": TOLERANCE}
 
 
 def export(
@@ -103,8 +69,8 @@ def export(
     out: Path,
     threads: int = 1,
     estimator: EstimatorConfig | None = None,
-) -> Agreement:
-    """Write the files ``EXPORT_FILES`` into ``out`` and compare the networks with the policy.
+) -> tuple[int, float]:
+    """Write the files ``EXPORT_FILES`` into ``out`` and compare the network with the policy.
 
     Args:
         policy_file: of this project.
@@ -113,14 +79,15 @@ def export(
         threads: of the roll-out.
         estimator: of the state on board, for the layout.
 
+    Returns:
+        The number of observations, and the largest difference of an action.
+
     Raises:
-        UserError: no policy file, or an exported network acts differently.
+        UserError: no policy file, or the exported network acts differently.
     """
     policy = write_files(policy_file, origin, out, estimator)
     observations = record_observations(policy, _DURATION, threads)
-    agreement = compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
-    agreement.check()
-    return agreement
+    return len(observations), compare(policy, out / ONNX, observations)
 
 
 def write_files(
@@ -133,7 +100,6 @@ def write_files(
     policy = load_policy(policy_file)
     layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin}, estimator)
     save_onnx(policy.network, layout, out / ONNX)
-    save_torch(policy.network, layout, out / TORCH_EXPORT)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
     np.save(out / REFERENCE, reference_table(policy).positions)
     physics = policy.env.physics
@@ -167,35 +133,22 @@ def record_observations(policy: Policy, duration: float, threads: int = 1) -> np
     return torch.cat(recorded).numpy()
 
 
-def compare(policy: Policy, onnx_file: Path, exported: Path, observations: np.ndarray) -> Agreement:
-    """Run both files, read back from disk, on observations (N, size)."""
+def compare(policy: Policy, onnx_file: Path, observations: np.ndarray) -> float:
+    """Largest difference of an action of the file from the policy's on observations (N, size).
+
+    Raises:
+        UserError: it is larger than ``TOLERANCE``.
+    """
+    given = torch.from_numpy(observations)
     with torch.inference_mode():
-        expected = policy.network(torch.from_numpy(observations)).numpy()
-        reloaded = torch.export.load(exported).module()(torch.from_numpy(observations)).numpy()
-    return Agreement(
-        observations=len(observations),
-        onnx=float(np.abs(run_onnx(onnx_file, observations) - expected).max()),
-        torch_export=float(np.abs(reloaded - expected).max()),
-    )
-
-
-def run_onnx(path: Path, observations: np.ndarray) -> np.ndarray:
-    """Actions (N, 12) of observations (N, size) by onnxruntime, with one thread."""
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
-    return np.asarray(session.run(None, {INPUT: observations})[0])
-
-
-def save_torch(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> None:
-    """Write for ``torch.export.load(path).module()``, any number of robots: (N, size) → (N, 12)."""
-    robots = torch.export.Dim("robots")
-    example = torch.zeros(2, len(network.mean))
-    program = torch.export.export(network.eval(), (example,), dynamic_shapes=({0: robots},))
-    for node in program.graph.nodes:
-        for name in _TRACES:  # they hold paths of this machine
-            node.meta.pop(name, None)
-    torch.export.save(program, path, extra_files={LAYOUT_FILE: json.dumps(layout)})
+        actions = OnnxNetwork(onnx_file, given.shape[1])(given)
+        difference = float((actions - policy.network(given)).abs().max())
+    if not difference <= TOLERANCE:  # NaN is refused too
+        raise UserError(
+            f"policy export: expected the actions of the ONNX file within {TOLERANCE:g} of the "
+            f"policy's, found a difference of {difference:.3g}"
+        )
+    return difference
 
 
 def save_onnx(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> None:

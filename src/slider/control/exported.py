@@ -96,34 +96,21 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
         shape = reference["shape"]
         positions = np.load(folder / REFERENCE, allow_pickle=False).reshape(shape)
         table = JointTable(_times(reference, np.ones(shape[:3])), positions)
-        _check(layout, robot, env, times, table, path)
+        sizes = Observer(env.observation).layout
+        network = PolicyNetwork(sum(sizes.values()), len(JOINTS), (), "elu")
+        policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, table)
+        wanted, own = (_leaves(node) for node in (describe(policy, {}), layout))
+        for key in dict.fromkeys([*wanted, *own]):
+            value, other = wanted.get(key, "nothing"), own.get(key, "nothing")
+            require(value == other, f"{path}, {key}", f"{value}, as configured", other)
     except (KeyError, TypeError, ValueError):
         raise UserError(f"{path}: expected a layout of this project, found another file") from None
-    size = Observer(env.observation).size
-    return Exported(OnnxNetwork(folder / ONNX, size), times, table)
+    return Exported(OnnxNetwork(folder / ONNX, sum(sizes.values())), times, table)
 
 
 def _times(node: Mapping[str, Any], step_time: Any) -> StepTimes:
     axes = {name: np.array(node[name]) for name in VELOCITY}
     return StepTimes(**axes, step_time=np.array(step_time))
-
-
-def _check(
-    layout: Mapping[str, Any],
-    robot: RobotConfig,
-    env: EnvConfig,
-    times: StepTimes,
-    reference: JointTable,
-    path: Path,
-) -> None:
-    """The layout is the one that the configured robot and env would be exported with."""
-    sizes = Observer(env.observation).layout
-    network = PolicyNetwork(sum(sizes.values()), len(JOINTS), (), "elu")
-    policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, reference)
-    expected, found = (_leaves(node) for node in (describe(policy, {}), layout))
-    for key in dict.fromkeys([*expected, *found]):
-        value, other = expected.get(key, "nothing"), found.get(key, "nothing")
-        require(value == other, f"{path}, {key}", f"{value}, as configured", other)
 
 
 def _leaves(layout: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ depend on the nominal duration of a step, which may grow with the speed.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,26 +37,12 @@ class Pendulum:
     reference_velocity: np.ndarray
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """Next step of n robots: (n, 2) from the stance foot [m], its time (n,) [s], cost (n,)."""
 
     step: np.ndarray
     duration: np.ndarray
     cost: np.ndarray
-
-
-@dataclass(frozen=True)
-class _Prediction:
-    """Velocities at the ends of N steps: free (n, N, 2) ξ₀ + effect (n, N, N) d.
-
-    Attributes:
-        hessian: of the QPs (n, N, N).
-    """
-
-    free: np.ndarray
-    effect: np.ndarray
-    hessian: np.ndarray
 
 
 class FootstepPlanner:
@@ -96,17 +83,28 @@ class FootstepPlanner:
         start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
         end = np.einsum("...nij,naj->...nai", references.step_map(self.omega, remaining), start)
         speeds, lengths, lower, upper = self.references(pendulum)
-        steps = self._prediction(self.nominal_time(pendulum.reference_velocity))
-        free = end @ steps.free.swapaxes(-1, -2) - speeds
-        gradient = free @ steps.effect - self._config.length_weight * lengths
-        result = _bounded(gradient, steps, lower, upper)
-        quadratic = ((result @ steps.hessian) * result).sum(axis=-1)
+        free_map, effect, hessian = self._prediction(self.nominal_time(pendulum.reference_velocity))
+        free = end @ free_map.swapaxes(-1, -2) - speeds
+        gradient = free @ effect - self._config.length_weight * lengths
+        result = -gradient @ np.linalg.inv(hessian)
+        outside = ((result < lower) | (result > upper)).any(axis=-1)
+        if outside.any():  # a QP only where a bound is active
+            *_, robots, axes = np.nonzero(outside)
+            low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
+            rows = np.zeros((len(slope), 0, slope.shape[1]))
+            bounded, solved = qp.solve(hessian[robots], slope, rows, low, high)
+            bounded = np.where(solved[:, None], bounded, result[outside])
+            result[outside] = np.clip(bounded, low, high)
+        quadratic = ((result @ hessian) * result).sum(axis=-1)
         constant = (free**2).sum(axis=-1) + self._config.length_weight * (lengths**2).sum(axis=-1)
         cost = quadratic + 2 * (gradient * result).sum(axis=-1) + constant
         return result, cost.sum(axis=-1)
 
-    def _prediction(self, time: np.ndarray) -> "_Prediction":
-        """Matrices of steps of nominal durations ``time`` (n,) [s]."""
+    def _prediction(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Velocities at the ends of steps of nominal durations ``time`` (n,) [s].
+
+        They are free (n, N, 2) ξ₀ + effect (n, N, N) d; the third is the QPs' Hessian (n, N, N).
+        """
         count, one = self._config.steps, references.step_map(self.omega, time)
         powers = [np.broadcast_to(np.eye(2), one.shape)]
         for _ in range(count):
@@ -117,7 +115,7 @@ class FootstepPlanner:
                 effect[:, end, length] = -powers[end - length + 1][:, 1, 0]
         weight = self._config.length_weight * np.eye(count)
         free = np.stack([power[:, 1] for power in powers[1:]], axis=1)
-        return _Prediction(free, effect, effect.swapaxes(1, 2) @ effect + weight)
+        return free, effect, effect.swapaxes(1, 2) @ effect + weight
 
     def references(
         self, pendulum: Pendulum
@@ -138,21 +136,3 @@ class FootstepPlanner:
         lower[:, 1] = np.where(side > 0, config.width_min, -config.width_max)
         upper[:, 1] = np.where(side > 0, config.width_max, -config.width_min)
         return speeds, lengths, lower, upper
-
-
-def _bounded(
-    gradient: np.ndarray, steps: _Prediction, lower: np.ndarray, upper: np.ndarray
-) -> np.ndarray:
-    """Minimisers (…, n, 2, N); solved as a QP only where a bound is active."""
-    result = -gradient @ np.linalg.inv(steps.hessian)
-    outside = ((result < lower) | (result > upper)).any(axis=-1)
-    if outside.any():
-        *_, robots, axes = np.nonzero(outside)
-        low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
-        count, size = slope.shape
-        bounded, solved = qp.solve(
-            steps.hessian[robots], slope, np.zeros((count, 0, size)), low, high
-        )
-        bounded = np.where(solved[:, None], bounded, result[outside])
-        result[outside] = np.clip(bounded, low, high)
-    return result

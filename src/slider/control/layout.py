@@ -64,57 +64,60 @@ def describe(
         provenance: origin, copied unchanged.
         estimator: of the state on board.
     """
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
+    env, network = policy.env, policy.network
+    agent = AgentInterface(policy.robot, env, 1, policy.times, policy.reference)
+    observer = agent.observer
+    gain = env.observation.filter_gain(env.control_period)
     return {
         "format": FORMAT,
         "version": VERSION,
         "robot": policy.robot.name,
-        "control_period": policy.env.control_period,
+        "control_period": env.control_period,
         "procedure": _PROCEDURE,
-        "network": _network(policy),
-        "observation": _observation(policy, agent),
-        "action": _action(policy, agent),
+        "network": {
+            "input": INPUT,
+            "output": OUTPUT,
+            "type": "float32",
+            "hidden": list(policy.hidden),
+            "activation": policy.activation,
+            "normaliser": {
+                "inside_network": True,
+                "formula": "(o - mean) / std",
+                "mean": network.mean.tolist(),
+                "std": network.std.tolist(),
+            },
+        },
+        "observation": {
+            "size": observer.size,
+            "clip": env.observation.clip,
+            "terms": _terms(policy, agent),
+            "mirror": {
+                "permutation": observer.permutation.tolist(),
+                "sign": observer.sign.tolist(),
+            },
+            "nominal_height": agent.nominal_height,
+            "velocity_filter": {"time_constant": env.observation.velocity_filter, "gain": gain},
+            "velocity_error": {"range": VELOCITY_ERROR_RANGE},
+            "height_scan": to_dict(env.observation.height_scan),
+        },
+        "action": {
+            "size": len(JOINTS),
+            "offset": env.action.offset,
+            "clip": env.action.clip,
+            "joints": _joints(policy, agent),
+            "motors": _motors(policy),
+            "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
+        },
         "clock": _clock(policy),
         "reference": _reference(policy),
         "estimator": None if estimator is None else _estimator(policy, estimator),
         "simulation": {
-            "timestep": policy.env.physics.timestep,
-            "substeps": policy.env.physics.substeps,
+            "timestep": env.physics.timestep,
+            "substeps": env.physics.substeps,
             "mujoco": OLDEST_MUJOCO,
         },
         "training": dict(policy.facts),
         "provenance": provenance,
-    }
-
-
-def _network(policy: Policy) -> dict[str, Any]:
-    return {
-        "input": INPUT,
-        "output": OUTPUT,
-        "type": "float32",
-        "hidden": list(policy.hidden),
-        "activation": policy.activation,
-        "normaliser": {
-            "inside_network": True,
-            "formula": "(o - mean) / std",
-            "mean": policy.network.mean.tolist(),
-            "std": policy.network.std.tolist(),
-        },
-    }
-
-
-def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
-    config, observer = policy.env.observation, agent.observer
-    gain = config.filter_gain(policy.env.control_period)
-    return {
-        "size": observer.size,
-        "clip": config.clip,
-        "terms": _terms(policy, agent),
-        "mirror": {"permutation": observer.permutation.tolist(), "sign": observer.sign.tolist()},
-        "nominal_height": agent.nominal_height,
-        "velocity_filter": {"time_constant": config.velocity_filter, "gain": gain},
-        "velocity_error": {"range": VELOCITY_ERROR_RANGE},
-        "height_scan": to_dict(config.height_scan),
     }
 
 
@@ -126,17 +129,6 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
         rows.append(place | TERMS[name].describe(width))
         start += width
     return rows
-
-
-def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
-    return {
-        "size": len(JOINTS),
-        "offset": policy.env.action.offset,
-        "clip": policy.env.action.clip,
-        "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
-        "motors": _motors(policy),
-        "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
-    }
 
 
 def reference_table(policy: Policy) -> JointTable:
@@ -173,19 +165,20 @@ def _axes(times: StepTimes) -> dict[str, list[float]]:
     return {name: axis.tolist() for name, axis in zip(VELOCITY, times, strict=True)}
 
 
-def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:
-    name = JOINTS[index]
-    kind = leg_joint(name)
-    joint = policy.robot.joints[kind]
-    return {
-        "name": name,
-        "unit": CHANNEL_UNITS[index],
-        "actuated": index in ACTUATED,
-        "nominal": float(agent.nominal[index]),
-        "scale": policy.env.action.scale[kind],
-        "lower": joint.lower,
-        "upper": joint.upper,
-    }
+def _joints(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
+    kinds = [leg_joint(name) for name in JOINTS]
+    return [
+        {
+            "name": name,
+            "unit": CHANNEL_UNITS[index],
+            "actuated": index in ACTUATED,
+            "nominal": float(agent.nominal[index]),
+            "scale": policy.env.action.scale[kind],
+            "lower": policy.robot.joints[kind].lower,
+            "upper": policy.robot.joints[kind].upper,
+        }
+        for index, (name, kind) in enumerate(zip(JOINTS, kinds, strict=True))
+    ]
 
 
 def _motors(policy: Policy) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.control import MpcConfig, SwingConfig
 from slider.config.robot import RobotConfig
 from slider.control.footsteps import FootstepPlanner, Pendulum
-from slider.control.whole_body.controller import PlantModel, WalkingController
+from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import LEFT, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity, quintic
@@ -31,13 +31,8 @@ def mpc_controller(robot: RobotConfig, config: MpcConfig, period: float) -> Walk
     return WalkingController(plant, MpcSteps(config, plant))
 
 
-class MpcSteps:
-    """Plans and advances steps.
-
-    Args:
-        config: settings of the baseline.
-        plant: the nominal robot.
-    """
+class MpcSteps(Stepping):
+    """Plans and advances steps on a nominal robot."""
 
     def __init__(self, config: MpcConfig, plant: PlantModel) -> None:
         self._config, self._period = config, plant.period
@@ -45,9 +40,6 @@ class MpcSteps:
         self._planner = FootstepPlanner(config.step, config.planner, plant.omega)
         self._omega, self._body = plant.omega, plant.body
         self._ticks_per_plan = max(1, round(config.planner.period / plant.period))
-
-    def reset(self, count: int) -> None:
-        """Nothing: all state is in the memory."""
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
@@ -79,35 +71,12 @@ class MpcSteps:
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """The pendulum falls freely over the stance foot; the other one follows its reference."""
-        self._advance(memory, robots, dynamics)
         config, stance = self._config, memory.stance[robots]
-        support = dynamics.foot_positions[np.arange(len(robots)), stance]
-        flat = self._omega**2 * (dynamics.com - support)[:, :2]
-        weight = np.array(config.whole_body.com.weight)
-        foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
-        heading = memory.heading[robots] + 0.5 * yaw_rate * memory.duration[robots]
-        feet = stance[:, None]
-        # The pendulum goes along the plane of the ground under its foot.
-        slope = memory.slope(robots, support[:, :2])
-        height = support[:, 2] + (slope * (dynamics.com - support)[:, :2]).sum(axis=1)
-        climb = (slope * dynamics.com_velocity[:, :2]).sum(axis=1)
-        slope = memory.to_heading(memory.slope(robots, memory.foothold[robots]), robots)[:, 0]
-        parts = [
-            *self._body.body(memory, robots, dynamics, flat, height, weight, climb),
-            self._swing(dynamics, foot, memory.swing[robots]),
-            self._swing_rotation(dynamics, foot, heading, yaw_rate, np.arctan(slope)),
-            self._body.stance(dynamics, feet, np.zeros(feet.shape)),
-        ]
-        return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
-
-    def _advance(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """One tick on, with a new plan where it is time for one."""
-        config = self._config
         if memory.tick % self._ticks_per_plan == 0:
             left = memory.duration[robots] - memory.elapsed[robots]
             due = np.flatnonzero(left > config.planner.lock)
             self._plan(memory, robots[due], dynamics, due)
-        support = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots]]
+        support = dynamics.foot_positions[np.arange(len(robots)), stance]
         ground = support[:, 2] + memory.rise(robots, support[:, :2], memory.foothold[robots])
         memory.swing[robots] = advance_swing(
             memory.swing[robots],
@@ -121,6 +90,22 @@ class MpcSteps:
         )
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
+        flat = self._omega**2 * (dynamics.com - support)[:, :2]
+        weight = np.array(config.whole_body.com.weight)
+        foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
+        heading = memory.heading[robots] + 0.5 * yaw_rate * memory.duration[robots]
+        feet = stance[:, None]
+        # The pendulum goes along the plane of the ground under its foot.
+        slope = memory.slope(robots, support[:, :2])
+        height = support[:, 2] + (slope * (dynamics.com - support)[:, :2]).sum(axis=1)
+        climb = (slope * dynamics.com_velocity[:, :2]).sum(axis=1)
+        slope = memory.to_heading(memory.slope(robots, memory.foothold[robots]), robots)[:, 0]
+        parts = [
+            *self._body.body(memory, robots, dynamics, flat, height, weight, climb),
+            *self._swing(dynamics, foot, memory.swing[robots], heading, yaw_rate, np.arctan(slope)),
+            self._body.stance(dynamics, feet, np.zeros(feet.shape)),
+        ]
+        return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
 
     def _plan(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, rows: np.ndarray
@@ -142,37 +127,37 @@ class MpcSteps:
         memory.foothold[robots] = foot + memory.to_world(plan.step, robots)
         memory.duration[robots] = plan.duration
 
-    def _swing(self, dynamics: Dynamics, foot: np.ndarray, reference: np.ndarray) -> Part:
-        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration."""
-        robots = np.arange(len(foot))
-        jacobian = dynamics.foot_jacobians[robots, foot, :3]
-        error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]
-        rate = reference[:, :, 1] - point_velocity(jacobian, dynamics.qvel)
-        desired, weight = feedback(self._config.whole_body.swing, error, rate)
-        bias = dynamics.foot_bias[robots, foot, :3]
-        return jacobian, desired + reference[:, :, 2] - bias, weight
-
-    def _swing_rotation(
+    def _swing(
         self,
         dynamics: Dynamics,
         foot: np.ndarray,
+        reference: np.ndarray,
         heading: np.ndarray,
         yaw_rate: np.ndarray,
         slope: np.ndarray,
-    ) -> Part:
-        """Swing foot (n,) along ``heading`` and ``slope`` (n,) [rad]; free about its line."""
-        robots = np.arange(len(foot))
+    ) -> list[Part]:
+        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration.
+
+        It is along ``heading`` and ``slope`` (n,) [rad], and free about its line.
+        """
+        robots, tasks = np.arange(len(foot)), self._config.whole_body
+        place = dynamics.foot_jacobians[robots, foot, :3]
+        error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]
+        rate = reference[:, :, 1] - point_velocity(place, dynamics.qvel)
+        desired, weight = feedback(tasks.swing, error, rate)
+        bias = dynamics.foot_bias[robots, foot, :3]
+        follow = place, desired + reference[:, :, 2] - bias, weight
         rotation = dynamics.foot_rotations[robots, foot]
         axes = pitch_and_yaw(rotation)
-        jacobian = axes @ dynamics.foot_jacobians[robots, foot, 3:]
+        turn = axes @ dynamics.foot_jacobians[robots, foot, 3:]
         bias = (axes @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
         error = np.stack(
             [np.arcsin(rotation[:, 2, 0]) - slope, wrapped(heading - yaw_of(rotation))], axis=1
         )
-        rate = -point_velocity(jacobian, dynamics.qvel)
+        rate = -point_velocity(turn, dynamics.qvel)
         rate[:, 1] += yaw_rate
-        desired, weight = feedback(self._config.whole_body.swing_rotation, error, rate)
-        return jacobian, desired - bias, weight[1:]
+        desired, weight = feedback(tasks.swing_rotation, error, rate)
+        return [follow, (turn, desired - bias, weight[1:])]
 
 
 def swing_at_rest(position: np.ndarray) -> np.ndarray:

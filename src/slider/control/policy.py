@@ -14,7 +14,7 @@ from torch import nn
 from slider.config.convert import from_dict, to_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.core.files import flatten
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.state import RobotState
@@ -25,11 +25,7 @@ FORMAT = "slider-policy"
 VERSION = 9
 _ALL = slice(None)  # robots
 UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
-ACTIVATIONS: dict[str, type[nn.Module]] = {
-    "elu": nn.ELU,
-    "relu": nn.ReLU,
-    "tanh": nn.Tanh,
-}
+ACTIVATIONS: dict[str, type[nn.Module]] = {"elu": nn.ELU, "relu": nn.ReLU, "tanh": nn.Tanh}
 
 
 class PolicyNetwork(nn.Module):
@@ -141,11 +137,24 @@ def load_policy(path: Path) -> Policy:
     Raises:
         UserError: not a policy file of this project, or of another version or robot.
     """
-    content = _read(path)
-    hidden = tuple(content["hidden"])
+    try:
+        content = torch.load(path, weights_only=True)
+    except FileNotFoundError:
+        raise UserError(f"expected a policy file at {path}, found none") from None
+    except Exception:  # torch raises pickle, zip and runtime errors for foreign files
+        raise UserError(f"{path}: expected a policy file of this project") from None
+    format_name = content.get("format") if isinstance(content, dict) else type(content).__name__
+    require(format_name == FORMAT, str(path), f"format {FORMAT}", format_name)
+    require(content["version"] == VERSION, str(path), f"version {VERSION}", content["version"])
+    if tuple(content["joints"]) != JOINTS:
+        raise UserError(f"{path}: expected the joints {', '.join(JOINTS)}")
+    hidden, reference = tuple(content["hidden"]), content["reference"]
     sizes = content["observations"]
     network = PolicyNetwork(sum(sizes.values()), len(JOINTS), hidden, content["activation"])
     network.load_state_dict(content["state"])
+    if reference is not None:
+        positions = reference.pop("positions").numpy()
+        reference = JointTable(_times(reference), positions)
     return Policy(
         network=network.eval(),
         hidden=hidden,
@@ -155,25 +164,8 @@ def load_policy(path: Path) -> Policy:
         robot=from_dict(RobotConfig, content["robot"]),
         env=from_dict(EnvConfig, content["env"]),
         facts=content["facts"],
-        reference=_reference(content["reference"]),
+        reference=reference,
     )
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        content = torch.load(path, weights_only=True)
-    except FileNotFoundError:
-        raise UserError(f"expected a policy file at {path}, found none") from None
-    except Exception:  # torch raises pickle, zip and runtime errors for foreign files
-        raise UserError(f"{path}: expected a policy file of this project") from None
-    format_name = content.get("format") if isinstance(content, dict) else type(content).__name__
-    if format_name != FORMAT:
-        raise UserError(f"{path}: expected format {FORMAT}, found {format_name}")
-    if content["version"] != VERSION:
-        raise UserError(f"{path}: expected version {VERSION}, found {content['version']}")
-    if tuple(content["joints"]) != JOINTS:
-        raise UserError(f"{path}: expected the joints {', '.join(JOINTS)}")
-    return content
 
 
 def _tensors(times: StepTimes) -> dict[str, torch.Tensor]:
@@ -182,14 +174,6 @@ def _tensors(times: StepTimes) -> dict[str, torch.Tensor]:
 
 def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
     return StepTimes(**{name: value.numpy() for name, value in tensors.items()})
-
-
-def _reference(tensors: dict[str, torch.Tensor] | None) -> JointTable | None:
-    """Gaits under the actions; None in a policy about the nominal pose."""
-    if tensors is None:
-        return None
-    positions = tensors.pop("positions").numpy()
-    return JointTable(_times(tensors), positions)
 
 
 class PolicyController:
@@ -244,7 +228,11 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
     Raises:
         UserError: the policy is for other observations, actions, clock or control rate.
     """
-    trained, given = _interface(policy.env), _interface(env)
+    parts = ("control_period", "reference", "observation", "action", "phase")
+    trained, given = (
+        flatten({name: value for name, value in to_dict(each).items() if name in parts})
+        for each in (policy.env, env)
+    )
     for key in dict.fromkeys([*trained, *given]):
         expected, value = (interface.get(key, "nothing") for interface in (trained, given))
         if value != expected:
@@ -258,9 +246,3 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
             f"found {policy.observations}"
         )
     return agent
-
-
-def _interface(env: EnvConfig) -> dict[str, Any]:
-    """Settings of observations and actions, by dotted key."""
-    parts = ("control_period", "reference", "observation", "action", "phase")
-    return flatten({name: value for name, value in to_dict(env).items() if name in parts})

@@ -81,20 +81,17 @@ class Batch:
         n = len(arguments[0])
         results = np.empty((n, self._size))
         if n:
-            self._evaluate(arguments, results)
+            buffer, evaluate = self._mapped(n)
+            rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+            for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
+                buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
+            buffer.set_res(0, results.data)  # pyright: ignore[reportCallIssue]
+            evaluate()
         parts = np.split(np.asfortranarray(results), self._ends, axis=1)  # by columns: fast to use
         return [
             part if columns == 1 else part.reshape(n, columns, rows).transpose(0, 2, 1)
             for part, (rows, columns) in zip(parts, self._shapes, strict=True)
         ]
-
-    def _evaluate(self, arguments: Sequence[np.ndarray], results: np.ndarray) -> None:
-        buffer, evaluate = self._mapped(len(results))
-        rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
-        for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
-            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
-        buffer.set_res(0, results.data)  # pyright: ignore[reportCallIssue]
-        evaluate()
 
 
 class RootedModel:

@@ -100,17 +100,8 @@ def _plan(
         clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
     )
-    hip, ankle = _along(plan, model, config)
     placement = model.placement(motion(plan, np.ones(n), config)[0])
-    return replace(plan, hip=hip, ankle=ankle, placement=placement)
-
-
-def _along(
-    plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig
-) -> tuple[NodeTable, NodeTable]:
-    """Place of the hip, and effort of the stance ankle."""
-    n, phase = len(plan.duration), np.linspace(0.0, 1.0, _NODES)
-    rows = np.repeat(np.arange(n), _NODES)
+    phase, rows = np.linspace(0.0, 1.0, _NODES), np.repeat(np.arange(n), _NODES)
     q, rate, turn = motion(take(plan, rows), np.tile(phase, n), config)
     _, _, slope, bend = model.constrained(q, rate)
     orders = (
@@ -119,11 +110,12 @@ def _along(
         bend + (slope * turn).sum(axis=1),
     )
     hip = NodeTable(*(order.reshape(n, _NODES, 1) for order in orders))
-    duration = plan.duration[rows, None]
-    mass, bias, _, _ = model.constrained(q, rate / duration)
-    effort = (mass[:, 1] * turn / duration**2).sum(axis=1) + bias[:, 1]
+    durations = plan.duration[rows, None]
+    mass, bias, _, _ = model.constrained(q, rate / durations)
+    effort = (mass[:, 1] * turn / durations**2).sum(axis=1) + bias[:, 1]
     effort = effort.reshape(n, _NODES, 1)
-    return hip, NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
+    ankle = NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
+    return replace(plan, hip=hip, ankle=ankle, placement=placement)
 
 
 def motion(plan: StepPlan, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:

@@ -21,7 +21,7 @@ from slider.gait.outputs import YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.feedback import Regulator, regulate
 from slider.hzd.plans import StepPlan
-from slider.hzd.step import ClosedLoop, Flow
+from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import (
     STATE,
     by_phase,
@@ -63,6 +63,11 @@ class ReturnMap:
     def closed(self) -> np.ndarray:
         """A − B K (2, r, r)."""
         return self.maps - self.inputs @ self.regulator.gains
+
+    def displacement(self, step: int, x: np.ndarray, reach: float) -> np.ndarray:
+        """b = −K Z (x − x*) (n, 2) [m], bounded, of states (n, 22) at the start of a step."""
+        error = (x - self.points[step]) @ self.projection[step].T
+        return np.clip(-error @ self.regulator.gains[step].T, -reach, reach)
 
     @property
     def closed_derivatives(self) -> np.ndarray:
@@ -120,50 +125,35 @@ def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) 
     return observed(loop, loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:]))
 
 
-@dataclass(frozen=True)
-class Invariance:
-    """Worst ‖(y, ẏ)‖∞ [rad, m, 1/s] of n gaits (n,), over both steps.
-
-    Attributes:
-        orbit: on the limit cycle, over a step.
-        impact: just after perturbed impacts, of the constraints without re-anchoring.
-        free, anchored: at the end of the step after them, without and with it.
-        settle: pitch by which the ankle lays a foot flat that lands at another time [rad].
-    """
-
-    orbit: np.ndarray
-    impact: np.ndarray
-    free: np.ndarray
-    anchored: np.ndarray
-    settle: np.ndarray
-
-
 def invariance(
     loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray, grid: ImpactGrid
-) -> Invariance:
+) -> dict[str, np.ndarray]:
     """Measure hybrid invariance of gaits with limit cycles through ``points`` (2, n, 22).
 
     States on the zero dynamics with another roll and roll rate walk one step; its impact is the
     perturbed one.
+
+    Returns:
+        Worst ‖(y, ẏ)‖∞ [rad, m, 1/s] (n,) over both steps: ``invariance_orbit`` over the limit
+        cycle, ``invariance_impact`` just after perturbed impacts without re-anchoring,
+        ``invariance_free`` and ``invariance_anchored`` at the end of the step after them without
+        and with it; ``settle_angle`` by which the ankle lays a foot flat that lands at another
+        time [rad].
     """
     shape = points.shape[1], len(grid.roll) * len(grid.roll_rate)
     worst = []
     for plan, after, point in zip(steps, steps[::-1], points, strict=True):
         rows, x = perturbed(loop, point, grid)
         impact = loop.step(take(plan, rows), x).landed
-        landed = impact.state
         following = take(after, rows)
-        free = loop.step(following, landed, anchored=False)
-        anchored = loop.step(following, landed)
-        cycle = loop.step(plan, point)
-        perturbations = [free.residuals[0], _end(free), _end(anchored), np.abs(impact.pitch)]
+        free = loop.step(following, impact.state, anchored=False)
+        anchored = loop.step(following, impact.state)
+        ends = (np.where(flow.alive, flow.residuals[-1], np.nan) for flow in (free, anchored))
+        perturbations = [free.residuals[0], *ends, np.abs(impact.pitch)]
         greatest = [each.reshape(shape).max(axis=1) for each in perturbations]
-        worst.append([cycle.residuals.max(axis=0), *greatest])
-    return Invariance(*np.array(worst).max(axis=0))
-
-
-def _end(flow: Flow) -> np.ndarray:
-    return np.where(flow.alive, flow.residuals[-1], np.nan)
+        worst.append([loop.step(plan, point).residuals.max(axis=0), *greatest])
+    names = [f"invariance_{name}" for name in ("orbit", "impact", "free", "anchored")]
+    return dict(zip([*names, "settle_angle"], np.array(worst).max(axis=0), strict=True))
 
 
 def perturbed(
@@ -184,36 +174,17 @@ def perturbed(
     return rows, points[rows] + np.tile(offsets, (len(points), 1))
 
 
-@dataclass(frozen=True)
-class Placement:
-    """Event-based foot placement b = −K Z (x − x*), bounded.
-
-    Attributes:
-        walk: with gains K and limit cycle x*.
-        reach: greatest displacement in each direction [m].
-    """
-
-    walk: ReturnMap
-    reach: float
-
-    def displacement(self, step: int, x: np.ndarray) -> np.ndarray:
-        """b (n, 2) [m] of states (n, 22) at the start of a step."""
-        error = (x - self.walk.points[step]) @ self.walk.projection[step].T
-        displacement = -error @ self.walk.regulator.gains[step].T
-        return np.clip(displacement, -self.reach, self.reach)
-
-
 def steps_until_return(
     loop: ClosedLoop,
     steps: Sequence[StepPlan],
     walk: ReturnMap,
     config: BasinConfig,
-    placement: Placement | None,
+    reach: float,
 ) -> np.ndarray:
     """Steps (R, Q) after which a walk is back, for perturbed rolls and roll rates; else −1.
 
     It is back where roll and roll rate just after an impact are within ``config.returned`` of the
-    limit cycle's.
+    limit cycle's. Feet are displaced by at most ``reach`` [m].
     """
     grid = axes(config)
     _, x = perturbed(loop, walk.points[:1], grid)
@@ -224,7 +195,7 @@ def steps_until_return(
             break
         step = (count - 1) % 2
         plan = take(steps[step], np.zeros(len(x), int))
-        flow = loop.step(plan, x, _displaced(placement, step, x))
+        flow = loop.step(plan, x, walk.displacement(step, x, reach))
         x = flow.landed.state
         error = np.abs(x - walk.points[count % 2])[:, _PLANE]
         back = flow.alive & (error <= config.returned).all(axis=1)
@@ -232,10 +203,6 @@ def steps_until_return(
         left = flow.alive & ~back & (np.abs(x[:, 0]) < _FALLEN)
         going, x = going[left], x[left]
     return taken.reshape(len(grid.roll), len(grid.roll_rate))
-
-
-def _displaced(placement: Placement | None, step: int, x: np.ndarray) -> np.ndarray | None:
-    return None if placement is None else placement.displacement(step, x)
 
 
 def axes(config: BasinConfig) -> ImpactGrid:
@@ -253,12 +220,15 @@ def portrait(
     walk: ReturnMap,
     start: np.ndarray,
     count: int,
-    placement: Placement | None,
+    reach: float,
 ) -> np.ndarray:
-    """Roll and roll rate (steps · S, 2) of a walk from a state (22,), up to a fall."""
+    """Roll and roll rate (steps · S, 2) of a walk from a state (22,), up to a fall.
+
+    Feet are displaced by at most ``reach`` [m].
+    """
     x, seen = start[None], []
     for step in ([0, 1] * count)[:count]:
-        flow = loop.step(steps[step], x, _displaced(placement, step, x))
+        flow = loop.step(steps[step], x, walk.displacement(step, x, reach))
         if not flow.alive[0]:
             break
         seen.append(np.stack([flow.q[:, 0, 0], flow.v[:, 0, 0]], axis=1))

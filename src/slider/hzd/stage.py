@@ -3,10 +3,10 @@
 ``stability_gaits`` linearises some gaits per job, ``foot_placement`` collects their tables.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,8 +30,7 @@ POINTS = "points.npy"
 BY_HIP = 1  # the second kind of gains
 
 
-@dataclass(frozen=True)
-class _Placed:
+class _Placed(NamedTuple):
     """A gait's limit cycle and foot placement: x* (2, 22), ξ* (2, S, 4) and K(s) (2, S, 2, 4)."""
 
     points: np.ndarray
@@ -53,32 +52,40 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     clock = steps[0].clock
     slow = clock | (library.planar_velocities[gaits, 0] <= config.fastest_clock)
     timed = [replace(plan, clock=np.ones_like(clock)) for plan in steps]
-
-    def refuse(kind: str, gait: int, error: Exception) -> None:
-        name = velocity_text(library.velocities[gaits[gait]])
-        job.progress(f"gait {name}: no foot placement by {kind}: {error}")
-
-    by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, "the hip"))
-    by_time = _placed(loop, timed, np.flatnonzero(slow), partial(refuse, "time"))
+    names = [velocity_text(library.velocities[gait]) for gait in gaits]
+    kinds = []
+    for kind, plan, some in (("the hip", steps, ~clock), ("time", timed, slow)):
+        placed, refused = _placed(loop, plan, np.flatnonzero(some))
+        kinds.append(placed)
+        for k, reason in refused.items():
+            job.progress(f"gait {names[k]}: no foot placement by {kind}: {reason}")
+    by_hip, by_time = kinds
     cycles = {k: placed for k, placed in by_time.items() if clock[k]} | by_hip
     points = np.full((len(gaits), 2, STATE), np.nan)
     for k, placed in cycles.items():
         points[k] = placed.points
     np.save(out / POINTS, points)
-    _tables(library, gaits, steps, [by_hip | by_time, by_time | by_hip]).save(out)
+    # Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
+    shape, width = (len(gaits), 2, len(PHASES)), len(COORDINATES)
+    gains, orbit = np.zeros((len(gaits), 2, *shape[1:], 2, width)), np.zeros((*shape, width))
+    for row, placed in enumerate((by_hip | by_time, by_time | by_hip)):
+        for k, gait in placed.items():
+            gains[k, row], orbit[k] = gait.gains, gait.orbit
+    gains[:, BY_HIP, ..., COORDINATES.index("com_x")] = 0.0
+    placement = np.stack([plan.placement for plan in steps], axis=1)
+    hips = (np.concatenate(list(vars(plan.hip).values()), axis=2) for plan in steps)
+    hip, velocities = np.stack(list(hips), axis=1), library.velocities[gaits]
+    FootPlacement(velocities, clock, PHASES, gains, orbit, placement, hip).save(out)
     return {"gaits": len(gaits), "stable": len(cycles)}
 
 
 def _placed(
-    loop: ClosedLoop,
-    steps: Sequence[StepPlan],
-    gaits: np.ndarray,
-    refuse: Callable[[int, Exception], None],
-) -> dict[int, _Placed]:
-    """Place feet of the gaits (n,) that have a limit cycle which foot placement stabilises."""
+    loop: ClosedLoop, steps: Sequence[StepPlan], gaits: np.ndarray
+) -> tuple[dict[int, _Placed], dict[int, str]]:
+    """Limit cycles and foot placement of the gaits (n,), and why some have none."""
     if not len(gaits):
-        return {}
-    steps, result = [take(plan, gaits) for plan in steps], {}
+        return {}, {}
+    steps, placed, refused = [take(plan, gaits) for plan in steps], {}, {}
     points, converged = find_cycles(loop, steps)
     walks = linearise(loop, steps, points)
     for k, gait in enumerate(gaits.tolist()):
@@ -86,10 +93,10 @@ def _placed(
             if not converged[k]:
                 raise UserError("expected a limit cycle, found none")
             gains = regulate(walks, k, loop.config.feedback).phase_gains
-            result[gait] = _Placed(points[:, k], walks.orbit[:, k], gains)
+            placed[gait] = _Placed(points[:, k], walks.orbit[:, k], gains)
         except (UserError, np.linalg.LinAlgError) as error:
-            refuse(gait, error)
-    return result
+            refused[gait] = str(error)
+    return placed, refused
 
 
 def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -131,31 +138,3 @@ def indices(
     """Indices of the velocities that the gaits have."""
     places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
     return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
-
-
-def _tables(
-    library: GaitLibrary,
-    gaits: np.ndarray,
-    steps: Sequence[StepPlan],
-    kinds: Sequence[Mapping[int, _Placed]],
-) -> FootPlacement:
-    """Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
-
-    ``kinds`` are the gaits by time and by the hip; the orbit is that of the latter.
-    """
-    shape, width = (len(gaits), 2, len(PHASES)), len(COORDINATES)
-    gains = np.zeros((len(gaits), len(kinds), *shape[1:], 2, width))
-    orbit = np.zeros((*shape, width))
-    for kind, placed in enumerate(kinds):
-        for k, gait in placed.items():
-            gains[k, kind], orbit[k] = gait.gains, gait.orbit
-    gains[:, BY_HIP, ..., COORDINATES.index("com_x")] = 0.0
-    return FootPlacement(
-        library.velocities[gaits],
-        steps[0].clock,
-        PHASES,
-        gains,
-        orbit,
-        np.stack([p.placement for p in steps], axis=1),
-        np.stack([np.concatenate(list(vars(p.hip).values()), axis=2) for p in steps], axis=1),
-    )

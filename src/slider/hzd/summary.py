@@ -1,12 +1,13 @@
 """Quantities of the gaits' stability: columns of the CSV file, and the report in Markdown."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from slider.core.files import markdown_rows
 from slider.robot.names import VELOCITY
 
 Values = Mapping[str, Any]
@@ -37,16 +38,8 @@ QUANTITIES: dict[str, tuple[str, str]] = {
 }
 """Unit and meaning of each column."""
 _OVER_SPEED = (
-    "spectral_radius",
-    "closed_spectral_radius",
-    "gain_position",
-    "gain_lateral",
-    "gain_forward",
-    "invariance_impact",
-    "invariance_free",
-    "invariance_anchored",
-    "hip_share",
-    "decoupling",
+    *("spectral_radius", "closed_spectral_radius", "gain_position", "gain_lateral", "gain_forward"),
+    *("invariance_impact", "invariance_free", "invariance_anchored", "hip_share", "decoupling"),
 )
 
 
@@ -57,23 +50,21 @@ def per_step(eigenvalues: np.ndarray) -> list[float]:
 
 def write_csv(path: Path, rows: Sequence[Values]) -> None:
     """One line per gait; several values of one column are separated by blanks."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*VELOCITY, *QUANTITIES])
-        for row in rows:
-            writer.writerow([_text(row.get(name), 6) for name in (*VELOCITY, *QUANTITIES)])
+    columns = [*VELOCITY, *QUANTITIES]
+    table = pd.DataFrame([[_text(row.get(n), 6) for n in columns] for row in rows], columns=columns)
+    table.to_csv(path, index=False, lineterminator="\n")
 
 
 def write_markdown(path: Path, rows: Sequence[Values]) -> None:
     """Range of each quantity over the gaits, and some over the forward velocity at vy = 0."""
     lines = [f"{len(rows)} gaits.", ""]
     head = ["quantity", "unit", "meaning", "least", "median", "greatest"]
-    lines += _grid(head, [_range(name, rows) for name in QUANTITIES if name != "phase"])
+    lines += markdown_rows(head, [_range(name, rows) for name in QUANTITIES if name != "phase"])
     straight = [row for row in rows if row["vy"] == row["yaw_rate"] == 0.0]
     if straight:
         head = ["vx [m/s]", *(f"{row['vx']:g}" for row in straight)]
         body = [[f"`{n}`", *(_text(row.get(n), 3) for row in straight)] for n in _OVER_SPEED]
-        lines += ["", "At vy = 0:", "", *_grid(head, body)]
+        lines += ["", "At vy = 0:", "", *markdown_rows(head, body)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -87,7 +78,3 @@ def _text(value: Any, digits: int) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     return " ".join(f"{number:.{digits}g}" for number in np.atleast_1d(value))
-
-
-def _grid(head: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *body)]

@@ -20,7 +20,6 @@ from functools import partial
 import numpy as np
 from scipy.linalg import block_diag, null_space
 
-from slider.config.hzd import StabilityConfig
 from slider.core.arrays import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
@@ -60,7 +59,11 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
     Points are NaN where there is none. The error of a walk from the collocated gait is one more
     direction of the return map, whose image is that of the zero dynamics.
     """
-    maps = [partial(_landed, loop, plan) for plan in steps]
+
+    def landed(plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        return loop.step(take(plan, rows), x).landed.state
+
+    maps = [partial(landed, plan) for plan in steps]
     first, *points = orbits(maps, start(steps[0], loop.config))
     missed = points[-1] - first
     others = np.broadcast_to(with_moves(missed)[:, :, None], (2, len(first), STATE + _MOVES, 1))
@@ -72,10 +75,6 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
     tolerance = loop.config.linearisation.tolerance
     points, converged = limit_cycles(maps, first, image @ after @ inverse, tolerance)
     return np.where(converged[:, None], points, np.nan), converged
-
-
-def _landed(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return loop.step(take(plan, rows), x).landed.state
 
 
 def linearise(
@@ -134,7 +133,8 @@ def directions(
 
     Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
     """
-    r = _rank(steps[0], loop.config)
+    clock = steps[0].clock.all()  # the dimension of the zero dynamics depends on the phase
+    r = (len(COORDINATES) if loop.config.ankle == "free" else 2) if clock else 3
     outputs = np.delete(output_matrix(loop.config.outputs), YAW, axis=1)
     if r == len(COORDINATES):
         outputs = np.delete(outputs, ANKLE, axis=0)
@@ -145,13 +145,6 @@ def directions(
     result[:, :, :STATE, : free.shape[1]] = free
     result[..., r:] = others
     return result
-
-
-def _rank(plan: StepPlan, config: StabilityConfig) -> int:
-    """Dimension of the zero dynamics at a section, of gaits with one kind of phase."""
-    if not plan.clock.all():
-        return 3
-    return len(COORDINATES) if config.ankle == "free" else 2
 
 
 def middle(loop: ClosedLoop) -> int:

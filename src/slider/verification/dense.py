@@ -64,13 +64,28 @@ def between_nodes(
     points: int,
 ) -> dict[str, float]:
     """Worst values over both steps; see ``slider.verification.quantities``."""
-    values: dict[str, list[float]] = {}
+    motors, ranges = Transmission.of(robot), [robot.joints[leg_joint(name)] for name in JOINTS]
+    lower, upper = (np.array([getattr(x, end) for x in ranges]) for end in ("lower", "upper"))
+    steps = []
     for motion in gait.steps:
         step = resample(motion, pinocchio, points)
-        worst = _clearance(step, posture.clearance) | _contact(step, pinocchio)
-        for name, value in (worst | _drives(step, robot)).items():
-            values.setdefault(name, []).append(value)
-    return {name: max(both) for name, both in values.items()}
+        lowest = step.ends[..., 2].min(axis=1)
+        parabola = 4.0 * posture.clearance * step.phase * (1.0 - step.phase)
+        force = step.wrench[:, :3]
+        torque, voltage = motors.shares(step.efforts, step.speeds)
+        beyond = np.maximum(step.joints - upper, lower - step.joints)
+        steps.append(
+            {
+                "dense_penetration": max(0.0, -lowest.min()),
+                "dense_clearance": max(0.0, (parabola - lowest).max()),
+                "dense_cop": pressure_share(step.wrench, pinocchio).max(),
+                "dense_friction": (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max(),
+                "dense_torque": np.abs(torque).max(),
+                "dense_voltage": np.abs(voltage).max(),
+                "dense_position": max(0.0, beyond.max()),
+            }
+        )
+    return {name: float(np.max([step[name] for step in steps])) for name in steps[0]}
 
 
 def legs_apart(gait: StoredGait, plant: Plant, points: int) -> dict[str, float]:
@@ -81,34 +96,3 @@ def legs_apart(gait: StoredGait, plant: Plant, points: int) -> dict[str, float]:
         for time in np.linspace(0.0, motion.duration, points)
     ]
     return {"dense_leg_distance": min(distances)}
-
-
-def _clearance(step: DenseStep, clearance: float) -> dict[str, float]:
-    """How far toe and heel come below the ground and below the parabola of the posture [m]."""
-    lowest = step.ends[..., 2].min(axis=1)
-    parabola = 4.0 * clearance * step.phase * (1.0 - step.phase)
-    return {
-        "dense_penetration": float(max(0.0, -lowest.min())),
-        "dense_clearance": float(max(0.0, (parabola - lowest).max())),
-    }
-
-
-def _contact(step: DenseStep, robot: PinRobot) -> dict[str, float]:
-    """Centre of pressure as a share of the foot, and the friction coefficient that it needs [-]."""
-    force = step.wrench[:, :3]
-    friction = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
-    share = pressure_share(step.wrench, robot)
-    return {"dense_cop": float(np.max(share)), "dense_friction": float(friction.max())}
-
-
-def _drives(step: DenseStep, robot: Mechanism) -> dict[str, float]:
-    """Torques and voltages of the motors as shares of their limits, joints beyond their range."""
-    torque, voltage = Transmission.of(robot).shares(step.efforts, step.speeds)
-    ranges = [robot.joints[leg_joint(name)] for name in JOINTS]
-    lower, upper = (np.array([getattr(x, end) for x in ranges]) for end in ("lower", "upper"))
-    beyond = np.maximum(step.joints - upper, lower - step.joints)
-    return {
-        "dense_torque": float(np.abs(torque).max()),
-        "dense_voltage": float(np.abs(voltage).max()),
-        "dense_position": float(max(0.0, beyond.max())),
-    }

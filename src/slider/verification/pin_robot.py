@@ -9,6 +9,7 @@ carries its mass.
 # pyright: reportMissingImports=false
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -44,6 +45,7 @@ class PinRobot:
         geometry, self._slides = robot.geometry, dynamics == "prismatic"
         self.lengths = KneeLengths.of(robot)
         leg = _prismatic_leg(robot) if self._slides else _knee_leg(robot)
+        turn = np.diag([1.0, -1.0, 1.0])
         self.model = pin.Model()
         root = self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
         self.model.appendBodyToJoint(root, _inertia_of(robot.links.base), pin.SE3.Identity())
@@ -52,7 +54,9 @@ class PinRobot:
             for name, joint in zip(LEG_JOINTS, leg, strict=False):
                 place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
                 parent = self.model.addJoint(parent, joint.kind, place, f"{side}_{name}")
-                body = joint.body if side == SIDES[0] else _reflected(joint.body)
+                body = joint.body
+                if side != SIDES[0]:
+                    body = pin.Inertia(body.mass, turn @ body.lever, turn @ body.inertia @ turn)
                 self.model.appendBodyToJoint(parent, body, pin.SE3.Identity())
             sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
@@ -187,15 +191,10 @@ def _places(joint: str) -> np.ndarray:
 _KNEES = _places("knee")
 
 
-@dataclass(frozen=True)
-class _LegJoint:
-    """A joint and the body below it.
+class _LegJoint(NamedTuple):
+    """A joint, its place in the frame above (3,), of a left leg [m], and the body below it.
 
-    Attributes:
-        kind: of the pinocchio joint.
-        place: of the joint in the frame above (3,), of a left leg [m].
-        body: inertia in the joint's frame.
-        rotor, damping: what acts about or along the joint beside the body [kg m², kg], [N m s/rad].
+    ``rotor`` and ``damping`` [kg m², kg], [N m s/rad] act about or along the joint.
     """
 
     kind: pin.JointModel
@@ -215,12 +214,6 @@ def _inertia_of(link: Link, share: float = 1.0) -> pin.Inertia:
     for (i, j), product in zip(((0, 1), (0, 2), (1, 2)), link.products, strict=True):
         inertia[i, j] = inertia[j, i] = product  # no part of a tube has any
     return pin.Inertia(share * link.mass, np.array(link.com), inertia)
-
-
-def _reflected(body: pin.Inertia) -> pin.Inertia:
-    """A body of the left leg, on the right one."""
-    turn = np.diag([1.0, -1.0, 1.0])
-    return pin.Inertia(body.mass, turn @ body.lever, turn @ body.inertia @ turn)
 
 
 def _raised(body: pin.Inertia, height: float) -> pin.Inertia:

@@ -28,15 +28,6 @@ _FAR = 10.0  # beyond it a distance does not count [m]
 _UPPER = np.array([i for i, name in enumerate(names.JOINTS) if name.endswith("upper_foot")])
 _DRIVEN = np.setdiff1d(np.arange(_BASE + names.NUM_JOINTS), _BASE + _UPPER)
 
-_QUANTITIES = (
-    "plant_force",
-    "plant_moment",
-    "plant_efforts",
-    "plant_cop",
-    "plant_torque",
-    "plant_voltage",
-)
-
 
 @dataclass(frozen=True)
 class PlantState:
@@ -132,27 +123,26 @@ def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
         [N m, N], and of the plant's own wrench and efforts the centre of pressure and the motors'
         torques and voltages as shares of their limits.
     """
-    rows = np.array([_sample(gait, plant, sample) for sample in range(2 * gait.half)])
-    worst = (float(value) for value in rows.max(axis=0))
-    return dict(zip(_QUANTITIES, worst, strict=True))
-
-
-def _sample(gait: StoredGait, plant: Plant, sample: int) -> list[float]:
-    side = names.SIDES[gait.step_of(sample)]
-    state = plant_state(stored_state(gait, plant.slides, sample))
-    forces, jacobian = plant.inverse(state, side)
-    rest = forces - jacobian.T @ gait.ground_wrench[sample]
-    missed = np.abs(rest[_BASE:] - gait.efforts[sample])
-    efforts, wrench = plant.balanced(state, side)
-    torque, voltage = plant.motors.shares(efforts, state.qvel[_BASE:])
-    return [
-        float(np.linalg.norm(rest[:3])),
-        float(np.linalg.norm(rest[3:_BASE])),
-        float(np.delete(missed, _UPPER).max()),
-        float(pressure_share(wrench, plant.slides)),
-        float(np.abs(torque).max()),
-        float(np.abs(voltage).max()),
-    ]
+    rows = []
+    for sample in range(2 * gait.half):
+        side = names.SIDES[gait.step_of(sample)]
+        state = plant_state(stored_state(gait, plant.slides, sample))
+        forces, jacobian = plant.inverse(state, side)
+        rest = forces - jacobian.T @ gait.ground_wrench[sample]
+        missed = np.abs(rest[_BASE:] - gait.efforts[sample])
+        efforts, wrench = plant.balanced(state, side)
+        torque, voltage = plant.motors.shares(efforts, state.qvel[_BASE:])
+        rows.append(
+            {
+                "plant_force": np.linalg.norm(rest[:3]),
+                "plant_moment": np.linalg.norm(rest[3:_BASE]),
+                "plant_efforts": np.delete(missed, _UPPER).max(),
+                "plant_cop": pressure_share(wrench, plant.slides),
+                "plant_torque": np.abs(torque).max(),
+                "plant_voltage": np.abs(voltage).max(),
+            }
+        )
+    return {name: float(np.max([row[name] for row in rows])) for name in rows[0]}
 
 
 def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:

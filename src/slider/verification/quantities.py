@@ -18,6 +18,10 @@ class Quantity:
     meaning: str
     at_least: bool = False
 
+    def limit(self, bound: float) -> str:
+        """A bound with its sense."""
+        return f"{'≥' if self.at_least else '≤'} {bound:g}"
+
 
 QUANTITIES: dict[str, Quantity] = {
     "dynamics_torque": Quantity(

@@ -1,82 +1,223 @@
-"""Check 5: the gait as a table over time, replayed in MuJoCo with foot placement."""
+"""Check 5: the gait as a table over time, replayed in MuJoCo with foot placement.
+
+A time-indexed gait does not stay up without it. The error of the divergent component of motion,
+c + ċ/ω (Takenaka et al. 2009; Englsberger et al. 2015), grows by exp(ω t) until touchdown; the
+swing foot goes by a share of what it will be then. The foot lands level along its heading, and
+what the last impact left of errors fades out.
+"""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from slider.config.gait import ReplayConfig
-from slider.config.robot import RobotConfig
+from slider.config.gait import RegulatorConfig, ReplayConfig
+from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
-from slider.robot.kinematics import about_z
+from slider.robot.kinematics import about_x, about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
-from slider.verification.plant import Plant, PlantState
-from slider.verification.regulator import Measurement, Reference, Regulator, tilt_of, touchdown
+from slider.verification.plant import Plant
 from slider.verification.stored import StoredGait
 
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
+_ENDS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])  # of the fields of a reference
+_PRISMATIC = len(names.LEG_JOINTS)
+_HIP_ITERATIONS, _CLOSE = 200, 1e-13  # at most; [rad]
+_HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
-_ENDS = np.cumsum([0] + [names.NUM_JOINTS] * 3 + [3, 3, 3, 3, 2])
-_PARTS = [slice(start, end) for start, end in pairwise(_ENDS)]
+class Reference(NamedTuple):
+    """A point of a step on the prismatic robot, relative to the stance foot, world axes.
+
+    Attributes:
+        joints, velocities, efforts: (12,).
+        com, com_velocity: centre of mass (3,) [m] and its velocity [m/s].
+        swing, direction: sole of the swing foot (3,) [m] and direction of its line.
+        tilt: sines of the base's roll and pitch (2,).
+    """
+
+    joints: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    com: np.ndarray
+    com_velocity: np.ndarray
+    swing: np.ndarray
+    direction: np.ndarray
+    tilt: np.ndarray
+
+
+class Measurement(NamedTuple):
+    """State that the regulator receives, world axes; in a verification it is exact.
+
+    Attributes:
+        base: position (3,) [m] and rotation to world (3, 3).
+        joints: (12,) [rad, m].
+        com, com_velocity: of the whole robot (3,) [m], [m/s].
+        stance, swing: soles (3,) [m].
+    """
+
+    base: tuple[np.ndarray, np.ndarray]
+    joints: np.ndarray
+    com: np.ndarray
+    com_velocity: np.ndarray
+    stance: np.ndarray
+    swing: np.ndarray
+
+
+@dataclass(frozen=True)
+class Regulator:
+    """Joint targets of a step of a gait of forward velocity ``speed`` [m/s]."""
+
+    geometry: Geometry
+    config: RegulatorConfig
+    speed: float
+
+    def targets(
+        self,
+        measured: Measurement,
+        desired: Reference,
+        past: tuple[np.ndarray, np.ndarray],
+        side: str,
+        phase: float,
+        left: float,
+    ) -> np.ndarray:
+        """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go.
+
+        ``past`` are the errors of joints (12,) and swing foot (3,) [m] just after the touchdown.
+        The stance hip holds the torso where it should be in the world, not on the leg.
+        """
+        fade = 1.0 - _smooth(phase / self.config.fade)
+        targets = desired.joints + fade * past[0]
+        hips = names.SIDES.index(side) * _PRISMATIC + _HIP
+        targets[hips] = measured.joints[hips] + (tilt_of(measured.base[1]) - desired.tilt)
+        place = measured.stance + desired.swing + fade * past[1]
+        place[:2] += _smooth(phase / self.config.placement_end) * self._displacement(
+            measured, desired, left
+        )
+        other = names.other_side(side)
+        start = names.SIDES.index(other) * _PRISMATIC
+        targets[start : start + _PRISMATIC - 1] = level_leg(
+            self.geometry, other, measured.base, place, desired.direction
+        )
+        return targets
+
+    def _displacement(self, measured: Measurement, desired: Reference, left: float) -> np.ndarray:
+        """By how much (2,) [m] the swing foot lands away from the gait's own place."""
+        frequency = np.sqrt(names.GRAVITY / desired.com[2])
+        place = measured.com - measured.stance - desired.com
+        error = place + (measured.com_velocity - desired.com_velocity) / frequency
+        forward = np.interp(self.speed, self.config.speeds, self.config.forward)
+        share = np.array([forward, self.config.lateral])
+        grown = share * error[:2] * np.exp(frequency * max(left, 0.0))
+        return np.clip(grown, -self.config.reach, self.config.reach)
+
+
+def _smooth(x: float) -> float:
+    """From 0 to 1 with zero slope at both ends."""
+    x = min(max(x, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+def level_leg(
+    geometry: Geometry,
+    side: str,
+    base: tuple[np.ndarray, np.ndarray],
+    sole: np.ndarray,
+    heading: np.ndarray,
+) -> np.ndarray:
+    """Hip yaw, roll and pitch [rad], slide [m], ankle [rad] (5,) of a foot line along a heading.
+
+    The leg turns pitch and ankle about one axis; it is perpendicular to the foot line and to the
+    way from the sole to the pitch axis, so that yaw and roll follow from it in closed form where
+    the axes of the hip meet. Where they do not, yaw and roll move the pitch axis: iterated.
+
+    Args:
+        geometry: of the robot.
+        side: the leg's.
+        base: position (3,) [m] and rotation to world (3, 3).
+        sole: middle of the foot line (3,) [m].
+        heading: unit vector (3,) along the foot line, towards the toe.
+    """
+    position, rotation = base
+    mirror = np.array([1.0, 1.0 if side == names.SIDES[0] else -1.0, 1.0])
+    axes, yaw, roll = geometry.axes, 0.0, 0.0
+    fixed, moved, turned = (
+        mirror * place for place in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
+    )
+    for _ in range(_HIP_ITERATIONS):
+        before = np.array([yaw, roll])
+        by_yaw, by_roll = about_z(np.array([yaw]))[0], about_x(np.array([roll]))[0]
+        hip = position + rotation @ (fixed + by_yaw @ (moved + by_roll @ turned))
+        axis = _cross(hip - sole, heading)
+        axis /= np.linalg.norm(axis)
+        turn = rotation.T @ axis
+        roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
+        yaw = np.arctan2(-turn[0], turn[1])
+        if np.abs(before - [yaw, roll]).max() < _CLOSE or not (moved.any() or turned.any()):
+            break
+    ankle = sole + geometry.ankle_height * _cross(heading, axis)
+    to_leg = about_x(np.array([roll]))[0].T @ about_z(np.array([yaw]))[0].T @ rotation.T
+    reach, toe = to_leg @ (ankle - hip), to_leg @ heading
+    pitch = np.arctan2(-reach[0], -reach[2])
+    level = np.arctan2(-toe[2], toe[0])
+    slide = np.linalg.norm(reach) - geometry.leg_length
+    return np.array([yaw, roll, pitch, slide, level - pitch])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """np.cross for two vectors (3,), which it does ten times slower."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def tilt_of(rotation: np.ndarray) -> np.ndarray:
+    """Sines of roll and pitch (2,) of a rotation (3, 3) to world."""
+    return np.array([rotation[2, 1], -rotation[2, 0]])
 
 
 @dataclass(frozen=True)
 class StepReference:
-    """N points of a step on the prismatic robot, relative to the stance foot, world axes.
-
-    Attributes:
-        side: the stance foot's.
-        duration: [s].
-        table: (N, 12 + 12 + 12 + 3 + 3 + 3 + 3 + 2) joints, velocities, efforts, centre of mass
-            [m] and its velocity [m/s], sole of the swing foot [m], direction of its line, sines
-            of the base's roll and pitch.
-    """
+    """N points of a step: stance side, duration [s], and their references in a table (N, 50)."""
 
     side: str
     duration: float
     table: np.ndarray
 
-    def at(self, time: float) -> "Reference":
+    def at(self, time: float) -> Reference:
         """Linear interpolation; before the start and after the end the outermost points hold."""
         place = min(max(time / self.duration, 0.0), 1.0) * (len(self.table) - 1)
         k = min(int(place), len(self.table) - 2)
         row = self.table[k] + (place - k) * (self.table[k + 1] - self.table[k])
-        return Reference(*(row[part] for part in _PARTS))
+        return Reference(*np.split(row, _ENDS))
 
 
-def tabulate(gait: StoredGait, plant: Plant, points: int) -> tuple[StepReference, StepReference]:
+def tabulate(gait: StoredGait, plant: Plant, points: int) -> list[StepReference]:
     """Both steps of a gait after eq. 1 (exact), with the plant's own efforts.
 
     The ground wrench is the one that balances the base, but for a moment about the foot line,
     which the line cannot carry; of a gait with the prismatic leg's dynamics it is the gait's.
     """
-    steps = []
+    steps, data = [], plant.data
+    base = plant.model.body(names.BASE).id
     for motion in gait.steps:
-        times = np.linspace(0.0, motion.duration, points)
-        rows = [_row(plant, plant.moving(motion, time), motion.side) for time in times]
+        foot, rows = data.site(names.sole(names.other_side(motion.side))), []
+        for time in np.linspace(0.0, motion.duration, points):
+            state = plant.moving(motion, time)
+            efforts, _ = plant.balanced(state, motion.side)
+            mujoco.mj_subtreeVel(plant.model, data)
+            parts = [state.qpos[7:], state.qvel[6:], efforts]
+            parts += [data.subtree_com[base], data.subtree_linvel[base]]
+            parts += [foot.xpos, foot.xmat.reshape(3, 3)[:, 0]]
+            rows.append(np.concatenate([*parts, tilt_of(data.xmat[base].reshape(3, 3))]))
         steps.append(StepReference(motion.side, motion.duration, np.array(rows)))
-    return steps[0], steps[1]
-
-
-def _row(plant: Plant, state: PlantState, side: str) -> np.ndarray:
-    efforts, _ = plant.balanced(state, side)
-    data, model = plant.data, plant.model
-    mujoco.mj_subtreeVel(model, data)
-    base = model.body(names.BASE).id
-    foot = data.site(names.sole(names.other_side(side)))
-    direction = foot.xmat.reshape(3, 3)[:, 0]
-    joints, velocities = state.qpos[7:], state.qvel[6:]
-    return np.concatenate(
-        [joints, velocities, efforts, data.subtree_com[base], data.subtree_linvel[base]]
-        + [foot.xpos, direction, tilt_of(data.xmat[base].reshape(3, 3))]
-    )
+    return steps
 
 
 class Simulation:
@@ -129,20 +270,12 @@ class Simulation:
             data.site(names.sole(names.other_side(side))).xpos @ axes,
         )
 
-    def loaded(self, side: str) -> bool:
-        """Whether a foot touches the ground."""
-        force = self.data.sensor(f"{side}_foot_force").data
-        return bool(np.linalg.norm(force) > self.config.contact)
-
-    def fallen(self) -> bool:
-        """Whether the base is too low, tilted too far or not finite."""
-        height, upright = self.data.xpos[self.base, 2], self.data.xmat[self.base, 8]
-        falls = height < self.config.height or upright < np.cos(self.config.tilt)
-        return bool(falls or not np.isfinite(self.data.qpos).all())
-
 
 def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
-    """Completed steps of the replay; without any there is no error of the mean velocity [m/s]."""
+    """Completed steps of the replay; without any there is no error of the mean velocity [m/s].
+
+    The distance is forward, that of each step of a gait that turns along the step's course.
+    """
     config, speed = simulation.config, float(gait.velocities[0])
     references = tabulate(gait, plant, config.points)
     regulator = Regulator(simulation.robot.geometry, config.regulator, speed)
@@ -157,25 +290,22 @@ def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[st
         courses.append(simulation.course)
     if not steps:
         return {"regulated_steps": 0.0}
-    mean = _distance(np.array(places), np.array(courses)) / time
-    return {"regulated_steps": float(steps), "regulated_speed": abs(mean - speed)}
-
-
-def _distance(places: np.ndarray, courses: np.ndarray) -> float:
-    """Distance forward [m] through places (S, 2), each part of it along its course (S,) [rad]."""
-    if not courses.any():
-        return float(places[-1, 0] - places[0, 0])
-    parts, along = np.diff(places, axis=0), courses[:-1]
-    return float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
+    distance = float(places[-1][0] - places[0][0])
+    if any(courses):
+        parts, along = np.diff(places, axis=0), np.array(courses[:-1])
+        distance = float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
+    return {"regulated_steps": float(steps), "regulated_speed": abs(distance / time - speed)}
 
 
 def regulated_step(simulation: Simulation, step: StepReference, regulator: Regulator) -> bool:
     """One step from touchdown to touchdown; false where the robot falls."""
-    config = simulation.config
-    start = float(simulation.data.time)
-    past = touchdown(simulation.measure(step.side), step.at(0.0))
-    swing = names.other_side(step.side)
-    time = 0.0
+    config, data = simulation.config, simulation.data
+    start, time = float(data.time), 0.0
+    measured, desired = simulation.measure(step.side), step.at(0.0)
+    past = (
+        measured.joints - desired.joints,
+        measured.swing - measured.stance - desired.swing,
+    )
     while time < config.patience * step.duration:
         desired = step.at(time)
         late = max(0.0, time - step.duration)
@@ -184,9 +314,12 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
         phase, left = time / step.duration, step.duration - time
         targets = regulator.targets(measured, desired, past, step.side, phase, left)
         simulation.drive(targets, desired)
-        time = float(simulation.data.time) - start
-        if simulation.fallen():
+        time = float(data.time) - start
+        height, upright = data.xpos[simulation.base, 2], data.xmat[simulation.base, 8]
+        fallen = height < config.height or upright < np.cos(config.tilt)
+        if fallen or not np.isfinite(data.qpos).all():
             return False
-        if time > _EARLY * step.duration and simulation.loaded(swing):
+        force = data.sensor(f"{names.other_side(step.side)}_foot_force").data
+        if time > _EARLY * step.duration and np.linalg.norm(force) > config.contact:
             return True
     return False

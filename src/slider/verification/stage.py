@@ -3,13 +3,10 @@
 import importlib.util
 import json
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from slider.config.convert import from_dict
@@ -45,7 +42,7 @@ def checks(
     """
     if importlib.util.find_spec("pinocchio") is None:
         raise UserError("expected pinocchio, found none: pip install 'slider-ehzd[verify]'")
-    from slider.verification import dense, plant, replay, roll
+    from slider.verification import dense, plant, replay
     from slider.verification import dynamics as residuals
     from slider.verification.pin_robot import PinRobot
 
@@ -57,7 +54,7 @@ def checks(
         "impact": partial(residuals.impact, robot=floating),
         "mean_velocity": residuals.mean_velocity,
         "periodicity": residuals.periodicity,
-        "roll": partial(roll.one_step_integration, robot=floating, integrator=config.integrator),
+        "roll": partial(residuals.roll, robot=floating, integrator=config.integrator),
         "replay": partial(replay.regulated, simulation=simulation, plant=simulated),
         "plant": partial(plant.inverse_dynamics, plant=simulated),
         "plant_impact": partial(plant.impact, plant=simulated),
@@ -66,21 +63,11 @@ def checks(
     }
 
 
-def check_gait(
-    gait: StoredGait, table: Mapping[str, Check]
-) -> tuple[dict[str, float], dict[str, float]]:
-    """All quantities of a gait, and the processor time of each check [s].
-
-    A value that is no number counts as the worst one.
-    """
-    values: dict[str, float] = {}
-    seconds = {}
-    for name, check in table.items():
-        start = time.process_time()
-        values |= check(gait)
-        seconds[name] = time.process_time() - start
+def check_gait(gait: StoredGait, table: Mapping[str, Check]) -> dict[str, float]:
+    """All quantities of a gait; a value that is no number counts as the worst one."""
+    values = {name: value for check in table.values() for name, value in check(gait).items()}
     worst = {name: -math.inf if QUANTITIES[name].at_least else math.inf for name in values}
-    return {n: worst[n] if math.isnan(v) else v for n, v in values.items()}, seconds
+    return {n: worst[n] if math.isnan(v) else v for n, v in values.items()}
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -94,15 +81,11 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     )
     gaits = {tuple(gait.velocities): gait for gait in gaits_of(library)}
     velocities = [velocity for velocity in map(tuple, section["velocities"]) if velocity in gaits]
-    records, times = [], []
+    records = []
     for velocity in velocities:
-        values, seconds = check_gait(gaits[velocity], table)
+        values = check_gait(gaits[velocity], table)
         records.append(dict(zip(VELOCITY, velocity, strict=True)) | values)
-        times.append(seconds)
         job.progress(f"{len(records)} of {len(velocities)} gaits")
-    if times:
-        job.volatile["seconds"] = {name: float(np.mean([t[name] for t in times])) for name in table}
-    job.volatile["checked"] = len(records)
     (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
     return {"gaits": len(records)}
 
@@ -117,20 +100,26 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     bounds: summary.Bounds = settings["bounds"]
     table = _table(inputs["gaits"], GaitLibrary.load(inputs["library"][0] / STORE))
     failures = summary.failures(table, bounds)
+    texts = list(map(str, failures))
     if failures and settings["on_failure"] == "error":
-        raise UserError(_describe(failures))
+        more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
+        raise UserError(
+            f"{len(failures)} bounds do not hold: {'; '.join(texts[:_SHOWN])}{more} "
+            "(verification.on_failure=report writes the table all the same)"
+        )
     quantities = summary.worst(table, bounds)
     content = {
         "gaits": len(table),
         "passed": not failures,
-        "failures": [str(failure) for failure in failures],
+        "failures": texts,
         "quantities": quantities,
     }
     summary.write_csv(out / CSV, table, failures)
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     (out / JSON).write_text(text, encoding="utf-8")
     summary.write_markdown(out / MARKDOWN, table, quantities)
-    _log(out, job)
+    for name in (CSV, JSON):
+        job.tracker.log_file(out / name)
     return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 
@@ -141,27 +130,3 @@ def _table(folders: Sequence[Path], library: GaitLibrary) -> pd.DataFrame:
     table = table.reindex(columns=[*VELOCITY, *QUANTITIES]).set_index(list(VELOCITY))
     order = pd.MultiIndex.from_tuples([tuple(v) for v in library.velocities.tolist()])
     return table.loc[order].rename_axis(list(VELOCITY)).reset_index()
-
-
-def _describe(failures: Sequence[summary.Failure]) -> str:
-    texts = [str(failure) for failure in failures[:_SHOWN]]
-    more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
-    return (
-        f"{len(failures)} bounds do not hold: {'; '.join(texts)}{more} "
-        "(verification.on_failure=report writes the table all the same)"
-    )
-
-
-def _log(out: Path, job: Job) -> None:
-    """Times per gait [s] go to the volatile facts, the table to the tracker."""
-    facts: list[Mapping[str, Any]] = [
-        f for f in job.input_volatile.get("gaits", []) if "seconds" in f
-    ]
-    weights = [f["checked"] for f in facts]
-    if sum(weights):
-        names = facts[0]["seconds"]
-        job.volatile["seconds"] = {
-            n: float(np.average([f["seconds"][n] for f in facts], weights=weights)) for n in names
-        }
-    job.tracker.log_file(out / CSV)
-    job.tracker.log_file(out / JSON)

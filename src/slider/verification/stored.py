@@ -58,9 +58,19 @@ class StoredGait:
         return np.append(self.swing_foot[self.half - 1, :2], 0.0)
 
     @cached_property
-    def steps(self) -> "tuple[StepMotion, StepMotion]":
-        """The continuous motion of both steps."""
-        return step_motion(self, 0), step_motion(self, 1)
+    def steps(self) -> "list[StepMotion]":
+        """The continuous motion of both steps; scipy's Bernstein polynomials."""
+        motions = []
+        for side, time, legs, roll in zip(
+            SIDES, map(float, self.step_time), self.coefficients, self.roll, strict=True
+        ):
+            if side == SIDES[1]:  # stored reflected: stance leg first
+                legs, roll = reflected(legs.T).T, -roll
+            joints = BPoly(legs.T[:, None, :], [0.0, time])
+            bend = BPoly.from_derivatives(np.linspace(0.0, time, self.half), roll)
+            orders = ((x, x.derivative(), x.derivative(2)) for x in (joints, bend))
+            motions.append(StepMotion(side, time, *orders))
+        return motions
 
 
 @dataclass(frozen=True)
@@ -87,23 +97,6 @@ class StepMotion:
     def roll_at(self, time: float | np.ndarray) -> np.ndarray:
         """Roll, rate and acceleration (..., 3) of the stance foot."""
         return np.stack([curve(time) for curve in self.roll], axis=-1)
-
-
-def step_motion(gait: StoredGait, step: int) -> StepMotion:
-    """The motion of one step; scipy's Bernstein polynomials, not those of the optimisation."""
-    duration = float(gait.step_time[step])
-    joints, roll = gait.coefficients[step], gait.roll[step]
-    if step == 1:  # stored reflected: stance leg first
-        joints = reflected(joints.T).T
-        roll = -roll
-    curve = BPoly(joints.T[:, None, :], [0.0, duration])
-    nodes = np.linspace(0.0, duration, gait.half)
-    bend = BPoly.from_derivatives(nodes, roll)
-    return StepMotion(SIDES[step], duration, _derivatives(curve), _derivatives(bend))
-
-
-def _derivatives(curve: BPoly) -> tuple[BPoly, BPoly, BPoly]:
-    return curve, curve.derivative(), curve.derivative(2)
 
 
 def gaits_of(library: GaitLibrary) -> list[StoredGait]:

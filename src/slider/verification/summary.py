@@ -9,38 +9,28 @@ apply.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
+from slider.core.files import markdown_rows
 from slider.robot.names import VELOCITY, velocity_text
-from slider.verification.quantities import QUANTITIES, Quantity
+from slider.verification.quantities import QUANTITIES
 
 Bounds = Mapping[str, float | None]
 _DIGITS = "%.6g"
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A quantity of a gait that is beyond its bound."""
+class Failure(NamedTuple):
+    """A quantity of a gait that is beyond its bound, and one line about it."""
 
     velocity: tuple[float, ...]
     quantity: str
-    value: float
-    bound: float
+    text: str
 
     def __str__(self) -> str:
-        about = QUANTITIES[self.quantity]
-        return (
-            f"gait {velocity_text(self.velocity)}, {self.quantity}: expected "
-            f"{_limit(about, self.bound)} {about.unit}, found {self.value:.3g}"
-        )
-
-
-def _limit(about: Quantity, bound: float) -> str:
-    return f"{'≥' if about.at_least else '≤'} {bound:g}"
+        return self.text
 
 
 def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
@@ -53,7 +43,9 @@ def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
         beyond = table[name] < bound if about.at_least else table[name] > bound
         for _, row in table[beyond].iterrows():
             velocity = tuple(float(row[axis]) for axis in VELOCITY)
-            result.append(Failure(velocity, name, float(row[name]), bound))
+            expected = f"expected {about.limit(bound)} {about.unit}"
+            gait = f"gait {velocity_text(velocity)}, {name}"
+            result.append(Failure(velocity, name, f"{gait}: {expected}, found {row[name]:.3g}"))
     return result
 
 
@@ -93,7 +85,6 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
     table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
 
 
-# Quantities of the second table of the report, over the speed.
 _OVER_SPEED = (
     *("plant_force", "plant_torque", "plant_voltage", "dense_cop"),
     *("regulated_steps", "regulated_speed"),
@@ -103,22 +94,21 @@ _HOLDS = {None: "", True: "", False: " **(not held)**"}
 
 def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any]) -> None:
     """Worst values by quantity, and some over the speed straight ahead."""
+    rows = []
+    for name, row in quantities.items():
+        about, bound = QUANTITIES[name], row["bound"]
+        limit = "–" if bound is None else about.limit(bound)
+        head = [str(about.check), f"`{name}`", about.unit, about.meaning]
+        values = [_short(row["worst"]), place(row), _short(row["median"])]
+        rows.append([*head, *values, limit + _HOLDS[row["passed"]]])
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
-    lines = _grid(head, [_cells(name, row) for name, row in quantities.items()])
+    lines = [f"{len(table)} gaits.", "", *markdown_rows(head, rows)]
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
         head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]
         rows = [[f"`{name}`", *map(_short, straight[name])] for name in _OVER_SPEED]
-        lines += ["", "Straight ahead:", "", *_grid(head, rows)]
-    path.write_text(f"{len(table)} gaits.\n\n" + "\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _cells(name: str, row: Mapping[str, Any]) -> list[str]:
-    about, bound = QUANTITIES[name], row["bound"]
-    limit = "–" if bound is None else _limit(about, bound)
-    values = [_short(row["worst"]), place(row), _short(row["median"])]
-    head = [str(about.check), f"`{name}`", about.unit, about.meaning]
-    return [*head, *values, limit + _HOLDS[row["passed"]]]
+        lines += ["", "Straight ahead:", "", *markdown_rows(head, rows)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def place(row: Mapping[str, Any]) -> str:
@@ -129,7 +119,3 @@ def place(row: Mapping[str, Any]) -> str:
 
 def _short(value: float | None) -> str:
     return "–" if value is None or math.isnan(value) else f"{value:.3g}"
-
-
-def _grid(head: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *body)]

@@ -8,9 +8,8 @@ from tempfile import mkdtemp
 import numpy as np
 import pytest
 
-from slider.config.env import StartNoise
 from slider.config.hzd import enforced_section
-from slider.control.hzd.gaits import EnforcedGaits, GaitTables, at_phase
+from slider.control.hzd.gaits import EnforcedGaits, at_phase
 from slider.control.hzd.steps import hzd_controller
 from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
@@ -19,49 +18,33 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Recording, roll_out
-from slider.env.starts import at_rest
-from slider.evaluation.gait_walks import walk
+from slider.evaluation import gait_walks
 from slider.hzd.gains import FootPlacement
+from tests.control.walking import walk
 from tests.env.synthetic import config, disturbance, robot_config
 from tests.hzd.sample import VELOCITIES, folder, library, placement_folder
-
-COUNT = 2
-STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @cache
 def gaits() -> EnforcedGaits:
-    whole = config()
-    feedback = FootPlacement.load(placement_folder())
-    return EnforcedGaits(GaitTables.of(library(), feedback), whole.hzd, whole.hzd.feedback.reach)
+    return placed(FootPlacement.load(placement_folder()))
 
 
-def controlled(
-    count: int, enforced: EnforcedGaits | None = None, disturbance: Disturbance | None = None
-):
+def placed(feedback: FootPlacement) -> EnforcedGaits:
+    hzd = config().hzd
+    return EnforcedGaits(library(), feedback, hzd, hzd.feedback.reach)
+
+
+def controlled(count: int, enforced: EnforcedGaits | None = None):
     whole = config()
     control = whole.control["hzd"]
     settings = replace(whole.env.physics, substeps=control.substeps)
-    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque", disturbance)
+    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque")
     return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
 
 
-def go(
-    *segments: tuple[float, tuple[float, float, float]],
-    noise: StartNoise = STILL,
-    disturbance: Disturbance | None = None,
-):
-    controller, physics = controlled(COUNT, disturbance=disturbance)
-    start = at_rest(robot_config(), noise, np.random.default_rng(7), COUNT)
-    velocities = np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
-    seconds = sum(t for t, _ in segments)
-    recording: Recording = roll_out(controller, physics, config().env, start, velocities, seconds)
-    return recording, controller
-
-
 def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
-    recording, controller = go((5.0, (0.2, 0.0, 0.0)), noise=config().evaluation.start)
+    recording, controller = walk("hzd", (5.0, (0.2, 0.0, 0.0)), noise=True, gaits=gaits())
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
@@ -71,14 +54,24 @@ def test_walks_up_a_slope_that_it_receives():
     """The integral action takes 8 s to the commanded velocity, on level ground 3 s."""
     text = "terrain={kinds: [slope_up], level: {lower: 4.8, upper: 4.8}}"
     slope = Disturbance(disturbance(text), (1,))
-    recording, _ = go((9.0, (0.2, 0.0, 0.0)), disturbance=slope)
+    recording, _ = walk("hzd", (9.0, (0.2, 0.0, 0.0)), drawn=slope, gaits=gaits())
     assert recording.survived.all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
 
 
+def test_walks_behind_the_observer():
+    """What the observer estimates drifts a little from what is measured."""
+    whole = config()
+    observer = replace(whole.control["mpc_wbc_observer"].observer, delay=0.0)
+    settings = replace(whole.control["hzd"], observer=observer)
+    recording, _ = walk(settings, (5.0, (0.4, 0.05, 0.0)), gaits=gaits())
+    assert recording.survived.all()
+    np.testing.assert_allclose(recording.velocity[-84:, :, 0].mean(), 0.4, atol=0.06)
+
+
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:
     job = Job(Path(mkdtemp()))
-    return walk(controller, physics, config().env, library(), steps, job)["walked"]
+    return gait_walks.walk(controller, physics, config().env, library(), steps, job)["walked"]
 
 
 def test_gaits_walk_from_their_first_sample():
@@ -87,20 +80,15 @@ def test_gaits_walk_from_their_first_sample():
 
 def test_without_foot_placement_they_fall():
     """The roll's return map has an eigenvalue above one."""
-    tables = GaitTables.of(library(), replace(FootPlacement.load(placement_folder()), **_nothing()))
-    blind = replace(gaits(), gaits=tables)
+    feedback = FootPlacement.load(placement_folder())
+    blind = placed(replace(feedback, gains=np.zeros_like(feedback.gains)))
     assert walked(*controlled(len(VELOCITIES), blind), steps=40).max() < 40
-
-
-def _nothing() -> dict[str, np.ndarray]:
-    gains = FootPlacement.load(placement_folder()).gains
-    return {"gains": np.zeros_like(gains)}
 
 
 def test_a_gait_of_the_library_is_that_gait():
     velocities = np.array(VELOCITIES)
     for side in range(2):
-        steps = gaits().gaits.at(velocities, np.full(len(velocities), side))
+        steps = gaits().at(velocities, np.full(len(velocities), side))
         expected = library().arrays["coefficients"][:, side]
         np.testing.assert_allclose(steps.coefficients, expected, atol=1e-12)
         np.testing.assert_allclose(steps.duration, library().step_time[:, side], atol=1e-12)
@@ -112,19 +100,13 @@ def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():
         assert at_phase(table, np.array([phase]))[0, 0] == pytest.approx(value)
 
 
-def test_foot_placement_of_other_gaits_is_refused():
-    feedback = FootPlacement.load(placement_folder())
-    with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
-        GaitTables.of(library(), replace(feedback, velocities=feedback.velocities + 0.1))
-
-
 def test_a_step_depends_on_no_other_robot():
     """To the bit: robots that have failed leave, and change no others."""
     velocities = np.random.default_rng(0).uniform((0.1, 0.0, 0.0), (0.7, 0.2, 0.0), (5, 3))
     stance = np.array([0, 1, 1, 0, 1])
-    together = gaits().gaits.at(velocities, stance)
+    together = gaits().at(velocities, stance)
     for row in range(5):
-        alone = gaits().gaits.at(velocities[[row]], stance[[row]])
+        alone = gaits().at(velocities[[row]], stance[[row]])
         for name in ("duration", "coefficients", "gains", "orbit", "placement"):
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[row])
         np.testing.assert_array_equal(alone.hip.values[0], together.hip.values[row])
@@ -136,23 +118,10 @@ def test_a_controller_that_walks_by_gaits_needs_them():
         build_controller(robot_config(), whole.control["hzd"], whole.env.physics, 1)
 
 
-def test_foot_placement_of_another_phase_is_refused():
-    whole = config("hzd.phase=time")
-    section = enforced_section(whole.hzd)
+def test_foot_placement_of_other_gaits_or_another_phase_is_refused():
+    feedback = FootPlacement.load(placement_folder())
+    with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
+        placed(replace(feedback, velocities=feedback.velocities + 0.1))
+    section = enforced_section(config("hzd.phase=time").hzd)
     with pytest.raises(UserError, match=r"expected foot placement for hzd\.phase=time"):
         EnforcedGaits.load(folder(), placement_folder(), section)
-
-
-def test_walks_behind_the_observer():
-    """What the observer estimates drifts a little from what is measured."""
-    whole = config()
-    observer = replace(whole.control["mpc_wbc_observer"].observer, delay=0.0)
-    settings = replace(whole.control["hzd"], observer=observer)
-    plant = replace(whole.env.physics, substeps=settings.substeps)
-    physics = BatchedPhysics(robot_config(), plant, COUNT, 1, "torque")
-    controller = build_controller(robot_config(), settings, whole.env.physics, COUNT, gaits())
-    start = at_rest(robot_config(), STILL, np.random.default_rng(7), COUNT)
-    velocities = np.tile((0.4, 0.05, 0.0), (COUNT, 1))
-    recording = roll_out(controller, physics, whole.env, start, velocities, 5.0)
-    assert recording.survived.all()
-    np.testing.assert_allclose(recording.velocity[-84:, :, 0].mean(), 0.4, atol=0.06)

@@ -8,14 +8,13 @@ import pytest
 from slider.config.control import ObserverConfig
 from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
-from slider.control.model_based import build_controller
 from slider.control.whole_body.observer import Observer, rotation_between, turned
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.env.state import RobotState
 from slider.robot import names
+from tests.control.walking import walk
 from tests.env.synthetic import config, robot_config
 
 COUNT, TICKS = 4, 40
@@ -111,17 +110,12 @@ def test_turns_between_orientations():
 
 
 def test_walks_with_noise_and_delay_that_stop_the_controller_without():
-    whole = config("evaluation=robust")
-    settings = disturbance(
-        delay=Interval(DELAY, DELAY), sensing=whole.evaluation.disturbance.sensing
-    )
-    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
-    velocities = np.tile((0.4, 0.0, 0.0), (COUNT, 1))
+    sensing = config("evaluation=robust").evaluation.disturbance.sensing
+    settings = disturbance(delay=Interval(DELAY, DELAY), sensing=sensing)
     survivors = {}
     for setting in ("tuned", "observer"):
-        control = whole.control[f"mpc_wbc_{setting}"]
-        controller = build_controller(robot_config(), control, whole.env.physics, COUNT)
-        recording = roll_out(controller, plant(settings), whole.env, start, velocities, 4.0)
+        segment, noise = (4.0, (0.4, 0.0, 0.0)), Disturbance(settings, (3,))
+        recording, _ = walk(f"mpc_wbc_{setting}", segment, noise=True, count=COUNT, drawn=noise)
         survivors[setting] = int(recording.survived.sum())
     assert survivors["observer"] == COUNT
     assert survivors["tuned"] < COUNT

@@ -9,7 +9,7 @@ import pytest
 from slider.control import qp
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.problem import WholeBody
-from slider.control.whole_body.tasks import BodyControl, join
+from slider.control.whole_body.tasks import BodyControl
 from slider.env.starts import at_rest
 from slider.robot import names
 from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
@@ -41,8 +41,7 @@ def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), se
         motion.base(dynamics, zero, zero),
         motion.stance(dynamics, feet, np.zeros(feet.shape)),
     ]
-    tasks = join(parts)
-    return body, tasks, body.build(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
+    return body, parts, body.build(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
 
 
 DRIVEN = np.array([6, 7, 8, 9, 10, 12, 13, 14, 15, 16])
@@ -87,15 +86,17 @@ def test_equations_of_motion_hold_exactly(dynamics, feet):
 @pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
 def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
     """Σ w (J q̈ − b)² + ρ y², and motor torques of M q̈ + h − Jᵀf, of any y."""
-    body, tasks, problem = build(dynamics, feet, (0.5, 0.1, 0.0))
+    body, parts, problem = build(dynamics, feet, (0.5, 0.1, 0.0))
+    jacobian, target = (np.concatenate([part[k] for part in parts], axis=1) for k in (0, 1))
+    weight = np.concatenate([part[2] for part in parts])
     contact, (of_joints, of_forces) = body.contact_jacobian(dynamics, feet), CONTROL.regularisation
     ranks, rng = contact.shape[1], np.random.default_rng(2)
     damping = np.array([of_forces] * ranks + [of_joints] * 10)
 
     def cost(i: int, y: np.ndarray) -> float:
-        error = tasks.jacobian[i] @ (follows(dynamics, contact, i) @ np.append(y, 1.0))
-        error -= tasks.desired[i]
-        return 0.5 * (tasks.weight @ error**2 + damping @ y**2)
+        error = jacobian[i] @ (follows(dynamics, contact, i) @ np.append(y, 1.0))
+        error -= target[i]
+        return 0.5 * (weight @ error**2 + damping @ y**2)
 
     for i in range(COUNT):
         hessian, gradient = problem.hessian[i], problem.gradient[i]
@@ -130,9 +131,9 @@ def test_forces_lie_in_the_friction_cone_and_carry_the_weight(nominal, dynamics)
 
 
 def test_a_foot_in_the_air_carries_nothing(dynamics):
-    body, tasks, _ = build(dynamics, BOTH)
+    body, parts, _ = build(dynamics, BOTH)
     loaded = np.tile([True, False], (COUNT, 1))
-    problem = body.build(dynamics, tasks, BOTH, loaded)
+    problem = body.build(dynamics, parts, BOTH, loaded)
     for i in range(COUNT):
         force = solution(problem, i)[:12].reshape(4, 3)
         np.testing.assert_allclose(force[2:], 0.0, atol=1e-9)

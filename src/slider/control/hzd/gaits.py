@@ -21,8 +21,6 @@ from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import SIDES
 
-_STEPS = len(SIDES)
-
 
 @dataclass(frozen=True)
 class GaitSteps:
@@ -49,45 +47,42 @@ class GaitSteps:
     placement: np.ndarray
 
 
-_PARTS = ("coefficients", "roll", "hip", "gains", "orbit", "placement")
+class EnforcedGaits:
+    """Gaits of a library, the virtual constraints to enforce, and feedback from step to step.
 
+    Args:
+        library: of G gaits.
+        feedback: their foot placement.
+        constraints: outputs and their phase.
+        reach: largest displacement of a foothold [m].
 
-class GaitTables:
-    """All gaits of a library with their foot placement.
-
-    Attributes:
-        arrays: ``velocities`` (G, 3), ``step_time`` (G, 2), and the fields of :class:`GaitSteps`
-            for each of the two steps (G, 2, …).
+    Raises:
+        UserError: library and foot placement have different gaits.
     """
 
-    def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
-        self.arrays = arrays
-        self._mesh = VelocityMesh.of(arrays["velocities"])
-        parts = [arrays["step_time"], *(arrays[name] for name in _PARTS)]
-        self._shapes = [part.shape[2:] for part in parts]
-        flat = [part.reshape(len(part), _STEPS, -1) for part in parts]
-        self._ends = np.cumsum([part.shape[2] for part in flat])
-        self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
-
-    @classmethod
-    def of(cls, library: GaitLibrary, feedback: FootPlacement) -> "GaitTables":
-        """Tables of a library and its foot placement.
-
-        Raises:
-            UserError: the two have different gaits.
-        """
+    def __init__(
+        self,
+        library: GaitLibrary,
+        feedback: FootPlacement,
+        constraints: VirtualConstraintsConfig,
+        reach: float,
+    ) -> None:
         if not np.array_equal(library.velocities, feedback.velocities):
             raise UserError(
                 f"expected the foot placement of {len(library)} gaits, "
                 f"found one of {len(feedback.velocities)} others"
             )
+        self.constraints, self.reach = constraints, reach
+        self._mesh = VelocityMesh.of(library.velocities)
         time = library.step_time[:, :, None, None]
-        arrays = {name: getattr(feedback, name) for name in ("hip", "gains", "orbit", "placement")}
-        arrays["gains"] = feedback.gains.swapaxes(1, 2)  # steps come first
-        arrays["coefficients"] = library.arrays["coefficients"]
-        orders = [time**k for k in range(3)]
-        arrays["roll"] = library.arrays["roll"] * np.concatenate(orders, axis=3)
-        return cls({"velocities": library.velocities, "step_time": library.step_time, **arrays})
+        roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
+        gains = feedback.gains.swapaxes(1, 2)  # steps come first
+        parts = [library.step_time, library.arrays["coefficients"], roll, feedback.hip, gains]
+        parts += [feedback.orbit, feedback.placement]
+        self._shapes = [part.shape[2:] for part in parts]
+        flat = [part.reshape(len(part), len(SIDES), -1) for part in parts]
+        self._ends = np.cumsum([part.shape[2] for part in flat])
+        self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
     def at(self, velocities: np.ndarray, stance: np.ndarray) -> GaitSteps:
         """Steps on the feet ``stance`` (n,) at velocities (n, 3); each as if it were alone."""
@@ -97,27 +92,11 @@ class GaitTables:
             values[row] = weights[near] @ self._table[stance[row], near]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
-        times, coefficients, roll, hip, gains, orbit, placement = parts
+        times, coefficients, *tables, gains, orbit, placement = parts
+        roll, hip = (NodeTable(*(table[:, :, k, None] for k in range(3))) for table in tables)
         # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
         turns = velocities[:, 2] * times * side_of(stance)
-        return GaitSteps(
-            times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement
-        )
-
-
-@dataclass(frozen=True)
-class EnforcedGaits:
-    """Gaits, the virtual constraints to enforce, and the feedback from step to step.
-
-    Attributes:
-        gaits: with their foot placement.
-        constraints: outputs and their phase.
-        reach: largest displacement of a foothold [m].
-    """
-
-    gaits: GaitTables
-    constraints: VirtualConstraintsConfig
-    reach: float
+        return GaitSteps(times, turns, coefficients, roll, hip, gains, orbit, placement)
 
     @classmethod
     def load(cls, library: Path, placement: Path, section: Mapping[str, Any]) -> "EnforcedGaits":
@@ -132,7 +111,7 @@ class EnforcedGaits:
         if not np.array_equal(feedback.clock, slow | (constraints.phase == "time")):
             expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
             raise UserError(f"expected foot placement for {expected}, found that of other phases")
-        return cls(GaitTables.of(gaits, feedback), constraints, section["reach"])
+        return cls(gaits, feedback, constraints, section["reach"])
 
     @classmethod
     def of(
@@ -142,11 +121,6 @@ class EnforcedGaits:
         if "foot_placement" not in inputs:
             return None
         return cls.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
-
-
-def _table(orders: np.ndarray) -> NodeTable:
-    """Table of values with two derivatives (n, nodes, 3)."""
-    return NodeTable(*(orders[:, :, k, None] for k in range(3)))
 
 
 def at_phase(table: np.ndarray, phase: np.ndarray, *indices: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Measurements of robots in stance for steps by virtual constraints: coordinates, hip, section.
+"""Measurements of robots in stance for steps by virtual constraints, and what the ground changes.
 
 All is in the frame of the stance foot, reflected in right stance. ``stance`` (n,) are the feet.
 """
@@ -7,13 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.control.whole_body.memory import RIGHT
+from slider.control.whole_body.memory import RIGHT, Memory
 from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapped
-from slider.gait.outputs import JOINTS, NUM_COORDINATES, YAW, stance_first, stance_selection
+from slider.gait.outputs import (
+    ANKLE,
+    JOINTS,
+    NUM_COORDINATES,
+    STANCE,
+    SWING,
+    YAW,
+    stance_first,
+    stance_selection,
+)
+from slider.hzd.constraints import Orders, smooth_step
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import ACTUATED
 
+SLIDE = 3  # place of the slide in a leg
 _DRIVEN = np.array(ACTUATED)
 _ROWS = np.zeros((2, NUM_COORDINATES, NUM_DOFS))  # in left and right stance: of the driven joints
 _ROWS[:, JOINTS:, 6:] = stance_selection(np.array([False, True]))
@@ -72,3 +83,37 @@ def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
     side = side_of(stance)
     lateral = [side * place[:, 1], side * speed[:, 1]]
     return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
+
+
+def uneven(memory: Memory, robots: np.ndarray, footholds: np.ndarray, phase: np.ndarray) -> Orders:
+    """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
+
+    Gaits are those of level ground. As in :func:`slider.env.ground.fitted`, the base counts from
+    the mean of the ground under both feet, and ankles are turned by its slope. With h the height of
+    the swing foot's ground over the stance foot's, the stance leg is longer by h/2, the swing leg
+    shorter. The centre of mass then goes parallel to the line through the footholds, where the
+    linear pendulum moves as on level ground (Kajita et al., "The 3D linear inverted pendulum mode",
+    IROS 2001).
+
+    Args:
+        memory: with the ground.
+        robots: indices (n,).
+        footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
+        phase: (n,).
+    """
+    ground = memory.ground.of(robots)
+    height, slope = ground.height(footholds, gaps=False), ground.gradient(footholds)
+    _, last, following = (height - height[:, :1]).T
+    steep = turn_to_heading(slope, memory.heading[robots, None])[..., 0]
+    under, before, after = np.arctan(steep).T
+    rise, turn = following - last, after - before
+    middle = last + rise * phase, rise, np.zeros_like(rise)
+    orders = np.zeros((3, len(phase), NUM_COORDINATES))
+    for order, (lift, share) in enumerate(zip(middle, smooth_step(phase), strict=True)):
+        orders[order, :, STANCE + SLIDE] = lift / 2
+        orders[order, :, SWING + SLIDE] = lift / 2 - rise * share
+        orders[order, :, SWING + ANKLE] = -turn * share
+    orders[0, :, SWING + SLIDE] -= last
+    orders[0, :, SWING + ANKLE] -= before
+    orders[0, :, STANCE + ANKLE] = -under
+    return orders[0], orders[1], orders[2]

@@ -6,10 +6,9 @@ import numpy as np
 
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
-from slider.control.hzd.footing import SLIDE, uneven
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
-from slider.control.hzd.motion import Motion, hip, motion, section, side_of
-from slider.control.whole_body.controller import PlantModel, WalkingController
+from slider.control.hzd.motion import SLIDE, Motion, hip, motion, section, side_of, uneven
+from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity
@@ -25,11 +24,11 @@ _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
 
 def hzd_controller(
-    robot: RobotConfig, config: HzdControlConfig, enforced: EnforcedGaits, period: float
+    robot: RobotConfig, config: HzdControlConfig, gaits: EnforcedGaits, period: float
 ) -> WalkingController:
     """Virtual constraints on a nominal robot, with ticks of ``period`` [s]."""
     plant = PlantModel(robot, config, config.descent, period)
-    return WalkingController(plant, HzdSteps(config, enforced, KneeLengths.of(robot), plant))
+    return WalkingController(plant, HzdSteps(config, gaits, KneeLengths.of(robot), plant))
 
 
 @dataclass
@@ -55,28 +54,21 @@ class EnforcedSteps:
     footholds: np.ndarray
 
 
-class HzdSteps:
-    """Steps of N robots.
-
-    Args:
-        config: of the controller.
-        enforced: gaits and virtual constraints.
-        lengths: of the virtual leg.
-        plant: the nominal robot.
-    """
+class HzdSteps(Stepping):
+    """Steps of N robots by gaits, on a nominal robot with virtual legs of ``lengths``."""
 
     def __init__(
         self,
         config: HzdControlConfig,
-        enforced: EnforcedGaits,
+        gaits: EnforcedGaits,
         lengths: KneeLengths,
         plant: PlantModel,
     ) -> None:
-        self._config, self._constraints = config, enforced.constraints
-        self._reach, self._gaits, self._lengths = enforced.reach, enforced.gaits, lengths
+        self._config, self._constraints = config, gaits.constraints
+        self._gaits, self._lengths = gaits, lengths
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
-        self._matrix = output_matrix(enforced.constraints.outputs)
+        self._matrix = output_matrix(gaits.constraints.outputs)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
@@ -94,13 +86,6 @@ class HzdSteps:
         memory.target_yaw_rate = target.copy()
         self._velocity.change(memory, reference)
 
-    def _turn(self, memory: Memory, robots: np.ndarray) -> None:
-        """Let yaw rates grow for a tick; on the way none is zero, which could mean to stand."""
-        rate, target = memory.velocity[robots, 2], memory.target_yaw_rate[robots]
-        most = self._config.yaw_acceleration * self._period
-        grown = rate + np.clip(target - rate, -most, most)
-        memory.velocity[robots, 2] = np.where(grown == 0.0, _NOT_ZERO * target, grown)
-
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
     ) -> None:
@@ -109,15 +94,32 @@ class HzdSteps:
             return
         memory.stance[robots], memory.elapsed[robots] = stance, 0.0
         memory.steps[robots] += 1
-        velocity = self._next_velocity(memory, robots, dynamics)
+        # Where the velocity of the next gait is bounded the integral action waits.
+        before = memory.correction[robots]
+        self._velocity.correct(memory, robots, dynamics.com[:, :2])
+        planned = self._velocity.planned(memory, robots, self._config.ahead)
+        velocity = self._reachable(memory, robots, planned)
+        integrates = velocity == planned
+        memory.correction[robots] = np.where(integrates, memory.correction[robots], before)
         yaw_rate = memory.yaw_rate(robots)[:, None]
         walk = self._new(np.concatenate([velocity, yaw_rate], axis=1), stance)
         memory.duration[robots] = walk.steps.duration
         walk.line = memory.heading[robots] + side_of(stance) * walk.steps.turn / 2
         place, speed = hip(dynamics, stance, walk.line)
-        walk.by_hip &= self._starts_by_hip(walk, place, speed)
+        # By the hip, where its place and velocity are near those of the gait's start.
+        start, pace = self._config.hip_start, self._config.hip_rate
+        phase = phase_of(walk.steps.hip, place)
+        rate = phase_rate(walk.steps.hip, phase, speed) * walk.steps.duration
+        walk.by_hip &= (phase >= start.lower) & (phase <= start.upper)
+        walk.by_hip &= (rate >= pace.lower) & (rate <= pace.upper)
         self._synchronise(walk, place, speed, np.ones(len(robots)))
-        walk.footholds = self._footholds(walk, memory, robots, dynamics)
+        # At the next foothold the gait's centre of mass starts again.
+        rows, feet = np.arange(len(robots)), dynamics.foot_positions[:, :, :2]
+        first, last = walk.steps.orbit[:, 0], walk.steps.orbit[:, -1]
+        sideways = side_of(stance) * (first + last)[:, 0]
+        stride = np.stack([(last - first)[:, 3], sideways], axis=1)
+        here, before = feet[rows, stance], feet[rows, 1 - stance]
+        walk.footholds = np.stack([here, before, here + memory.to_world(stride, robots)], axis=1)
         ground = self._ground(walk, memory, robots)
         now = self._motion(walk, memory, robots, dynamics, ground)
         walk.constraints.re_anchor(walk.phase, now.x, now.rate / walk.rate[:, None])
@@ -144,7 +146,11 @@ class HzdSteps:
         ]
         feet = memory.stance[robots, None]
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
-        self._turn(memory, robots)
+        # Yaw rates grow to the commanded ones; on the way none is zero, which could mean to stand.
+        yaw_rate, target = memory.velocity[robots, 2], memory.target_yaw_rate[robots]
+        most = self._config.yaw_acceleration * self._period
+        grown = yaw_rate + np.clip(target - yaw_rate, -most, most)
+        memory.velocity[robots, 2] = np.where(grown == 0.0, _NOT_ZERO * target, grown)
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
         walk.phase = walk.phase + np.where(walk.by_hip, 0.0, self._period * walk.rate)
@@ -167,34 +173,12 @@ class HzdSteps:
         rate, footholds = 1.0 / steps.duration, np.zeros((len(stance), 3, 2))
         return EnforcedSteps(constraints, steps, phase, rate, by_hip, line, footholds)
 
-    def _footholds(
-        self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray, dynamics: Dynamics
-    ) -> np.ndarray:
-        """Those of steps that begin; at the next one the gait's centre of mass starts again."""
-        rows, stance = np.arange(len(robots)), memory.stance[robots]
-        feet = dynamics.foot_positions[:, :, :2]
-        start, end = walk.steps.orbit[:, 0], walk.steps.orbit[:, -1]
-        sideways = side_of(stance) * (start + end)[:, 0]
-        stride = np.stack([(end - start)[:, 3], sideways], axis=1)
-        here, last = feet[rows, stance], feet[rows, 1 - stance]
-        return np.stack([here, last, here + memory.to_world(stride, robots)], axis=1)
-
     def _ground(self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray) -> Orders:
         """What the ground under the footholds, the next one displaced, changes of coordinates."""
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
         return uneven(memory, robots, footholds, walk.phase)
-
-    def _next_velocity(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """Velocity (n, 2) of the next gait. Where that is bounded the integral action waits."""
-        before = memory.correction[robots]
-        self._velocity.correct(memory, robots, dynamics.com[:, :2])
-        planned = self._velocity.planned(memory, robots, self._config.ahead)
-        velocity = self._reachable(memory, robots, planned)
-        integrates = velocity == planned
-        memory.correction[robots] = np.where(integrates, memory.correction[robots], before)
-        return velocity
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
@@ -209,16 +193,6 @@ class HzdSteps:
         velocity = np.clip(planned, last - bound, last + bound)
         velocity[:, 0] = np.minimum(velocity[:, 0], self._config.fastest)
         return velocity
-
-    def _starts_by_hip(
-        self, walk: EnforcedSteps, place: np.ndarray, speed: np.ndarray
-    ) -> np.ndarray:
-        """Whether place and velocity (n,) of the hip are near those of the gait's start."""
-        start, pace = self._config.hip_start, self._config.hip_rate
-        phase = phase_of(walk.steps.hip, place)
-        rate = phase_rate(walk.steps.hip, phase, speed) * walk.steps.duration
-        at_start = (phase >= start.lower) & (phase <= start.upper)
-        return at_start & (rate >= pace.lower) & (rate <= pace.upper)
 
     def _synchronise(
         self, walk: EnforcedSteps, place: np.ndarray, velocity: np.ndarray, growth: np.ndarray
@@ -289,7 +263,7 @@ class HzdSteps:
         error = section(dynamics, memory.stance[robots]) - at_phase(walk.steps.orbit, walk.phase)
         gains = at_phase(walk.steps.gains, walk.phase, walk.by_hip.astype(int))
         target = -(gains @ error[:, :, None])[:, :, 0]
-        target = np.clip(target, -self._reach, self._reach)
+        target = np.clip(target, -self._gaits.reach, self._gaits.reach)
         config = self._config
         share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)
         walk.constraints.displacement += share[:, None] * (target - walk.constraints.displacement)

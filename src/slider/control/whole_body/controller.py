@@ -14,10 +14,9 @@ import numpy as np
 
 from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.entry import Entry
 from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY, WALK, Memory, Sway
 from slider.control.whole_body.model import Dynamics, NominalModel
-from slider.control.whole_body.references import natural_frequency
+from slider.control.whole_body.references import Entry, natural_frequency
 from slider.control.whole_body.tasks import BodyControl, Solved
 from slider.core.arrays import scatter, take
 from slider.env.instruments import CONTACT_FORCE
@@ -87,27 +86,22 @@ class WalkingController:
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
-        robots, dynamics = self._start(state, velocity, state.yaw)
-        self._begin_sway(robots, dynamics)
+        self._begin_sway(np.arange(state.num_robots), self._start(state, velocity, state.yaw))
 
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
         """Start in the first step of a walk on the left foot, at ``velocity`` (N, 3).
 
         The foot is along x; a walk that turns has another ``heading`` (N,) [rad] there.
         """
-        robots, dynamics = self._start(state, velocity, heading)
+        dynamics, count = self._start(state, velocity, heading), state.num_robots
         self.memory.mode[:] = WALK
         self.memory.previous[:] = velocity[:, :2]
-        self._stepping.begin(self.memory, robots, dynamics, np.full(len(robots), LEFT))
+        self._stepping.begin(self.memory, np.arange(count), dynamics, np.full(count, LEFT))
 
-    def _start(
-        self, state: RobotState, velocity: np.ndarray, heading: np.ndarray
-    ) -> tuple[np.ndarray, Dynamics]:
-        """Reset the memory; indices of all robots and their dynamics."""
+    def _start(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> Dynamics:
         self.memory = Memory.on_both_feet(velocity.copy(), heading)
         self._stepping.reset(state.num_robots)
-        dynamics = self._model.evaluate(state.qpos, state.qvel)
-        return np.arange(state.num_robots), dynamics
+        return self._model.evaluate(state.qpos, state.qvel)
 
     def give_up(self, robots: np.ndarray) -> None:
         """Switch the drives of ``robots`` (N,) off."""
@@ -134,29 +128,29 @@ class WalkingController:
         return torques
 
     def _drive(self, active: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:
-        """Torques (n, 12) of the active robots, one mode after the other."""
+        """Torques (n, 12) of the active robots, one mode after the other.
+
+        A robot that walks assumes its stance foot in contact.
+        """
+        memory, sway = self.memory, self.memory.sway
         torques = np.zeros((len(active), names.NUM_JOINTS))
-        modes = self.memory.mode[active]
-        for mode, drive in ((STAND, self._stand), (SWAY, self._sway), (WALK, self._walk)):
+        modes = memory.mode[active]
+        for mode in (STAND, SWAY, WALK):
             index = np.flatnonzero(modes == mode)
-            if len(index):
-                torques[index], solved = drive(active[index], dynamics.take(index), contact[index])
-                self.memory.mode[active[index[~solved]]] = OFF
+            if not len(index):
+                continue
+            robots, own, touching = active[index], dynamics.take(index), contact[index]
+            if mode == WALK:
+                result = self._stepping.torques(memory, robots, own)
+            else:
+                desired = np.zeros((len(robots), 2, 3))
+                if mode == SWAY:
+                    desired = self._entry.reference(take(sway, robots))
+                    sway.elapsed[robots] += self._period
+                result = self._body.on_both_feet(memory, robots, own, touching, desired)
+            torques[index], solved = result
+            memory.mode[robots[~solved]] = OFF
         return torques
-
-    def _stand(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
-        still = np.zeros((len(robots), 2, 3))
-        return self._body.on_both_feet(self.memory, robots, dynamics, contact, still)
-
-    def _sway(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
-        sway = self.memory.sway
-        desired = self._entry.reference(take(sway, robots))
-        sway.elapsed[robots] += self._period
-        return self._body.on_both_feet(self.memory, robots, dynamics, contact, desired)
-
-    def _walk(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
-        """Assume the stance foot in contact, whatever its ``contact``."""
-        return self._stepping.torques(self.memory, robots, dynamics)
 
     def _begin_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
         """A sway from here, towards the foot that is still in the air."""
@@ -169,27 +163,33 @@ class WalkingController:
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
         """Switch the robots that are due; ``contact`` (n, 2) of the feet."""
-        self._go(robots, dynamics)
-        self._leave_sway(robots, dynamics)
-        self._leave_step(robots, dynamics, contact)
-
-    def _go(self, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """STAND → SWAY where the commanded velocity is not zero."""
-        stands = self.memory.mode[robots] == STAND
-        index = np.flatnonzero(stands & ~self.memory.commanded_to_stand(robots))
+        memory = self.memory
+        stands = memory.mode[robots] == STAND
+        go = np.flatnonzero(stands & ~memory.commanded_to_stand(robots))
+        if len(go):
+            memory.mode[robots[go]] = SWAY
+            self._begin_sway(robots[go], dynamics.take(go))
+        sways = np.flatnonzero(memory.mode[robots] == SWAY)
+        if len(sways):
+            index = sways[self._sway_ends(robots[sways], dynamics.take(sways))]
+            memory.mode[robots[index]] = WALK
+            stance = _first_stance(take(memory.sway, robots[index]))
+            self._stepping.begin(memory, robots[index], dynamics.take(index), stance)
+        walks = np.flatnonzero(memory.mode[robots] == WALK)
+        landing = contact[walks, 1 - memory.stance[robots[walks]]]
+        index = walks[self._stepping.end(memory, robots[walks], landing)]
+        stops = memory.commanded_to_stand(robots[index])
+        if stops.any():
+            standing = index[stops]
+            stops[stops] = self._can_stop(robots[standing], dynamics.take(standing))
+            ends, index = index[stops], index[~stops]
+            if len(ends):
+                memory.mode[robots[ends]] = STAND
+                memory.forget_walk(robots[ends])
+                self._begin_sway(robots[ends], dynamics.take(ends))
         if len(index):
-            self.memory.mode[robots[index]] = SWAY
-            self._begin_sway(robots[index], dynamics.take(index))
-
-    def _leave_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """SWAY → WALK."""
-        sways = np.flatnonzero(self.memory.mode[robots] == SWAY)
-        if not len(sways):
-            return
-        index = sways[self._sway_ends(robots[sways], dynamics.take(sways))]
-        self.memory.mode[robots[index]] = WALK
-        stance = _first_stance(take(self.memory.sway, robots[index]))
-        self._stepping.begin(self.memory, robots[index], dynamics.take(index), stance)
+            stance = 1 - memory.stance[robots[index]]
+            self._stepping.begin(memory, robots[index], dynamics.take(index), stance)
 
     def _sway_ends(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
         """Whether they can take the first step (n,); those that took too long sway again."""
@@ -202,22 +202,6 @@ class WalkingController:
         scatter(self.memory.sway, robots, sway)
         return done
 
-    def _leave_step(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
-        """WALK → STAND, or the next step."""
-        walks = np.flatnonzero(self.memory.mode[robots] == WALK)
-        landing = contact[walks, 1 - self.memory.stance[robots[walks]]]
-        index = walks[self._stepping.end(self.memory, robots[walks], landing)]
-        stops = self.memory.commanded_to_stand(robots[index])
-        if stops.any():
-            standing = index[stops]
-            stops[stops] = self._can_stop(robots[standing], dynamics.take(standing))
-            self._stop(robots[index[stops]], dynamics.take(index[stops]))
-            index = index[~stops]
-        if not len(index):
-            return
-        stance = 1 - self.memory.stance[robots[index]]
-        self._stepping.begin(self.memory, robots[index], dynamics.take(index), stance)
-
     def _can_stop(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
         """Where the capture point is between the feet and within their length."""
         capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._omega
@@ -228,12 +212,6 @@ class WalkingController:
         between = (place[:, 1] < feet[LEFT][:, 1]) & (place[:, 1] > feet[RIGHT][:, 1])
         beside = (apart < self._reach) & (ahead < self._reach / 2)
         return between & beside
-
-    def _stop(self, robots: np.ndarray, dynamics: Dynamics) -> None:
-        if len(robots):
-            self.memory.mode[robots] = STAND
-            self.memory.forget_walk(robots)
-            self._begin_sway(robots, dynamics)
 
 
 def _first_stance(sway: Sway) -> np.ndarray:

@@ -35,11 +35,6 @@ class Sway:
     centre: np.ndarray
     elapsed: np.ndarray
 
-    @classmethod
-    def zeros(cls, n: int) -> "Sway":
-        """Sways of n robots that have not begun."""
-        return cls(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), np.zeros(n), np.zeros(n))
-
 
 @dataclass
 class Memory:
@@ -94,7 +89,7 @@ class Memory:
             tick=0,
             mode=np.where(standing(velocity), STAND, SWAY),
             heading=heading.copy(),
-            sway=Sway.zeros(n),
+            sway=Sway(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), *np.zeros((2, n))),
             stance=np.full(n, LEFT),
             elapsed=np.zeros(n),
             duration=np.zeros(n),

@@ -7,7 +7,6 @@ them. The terms of a copy equal those of a model with one robot to the bit.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -79,23 +78,56 @@ class NominalModel:
     def __init__(self, robot: RobotConfig) -> None:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))
         self.mass = float(self.model.body_subtreemass[_BASE_BODY])
-        self._copies = _Copies(robot)
         self._damping = self.model.dof_damping.reshape(NUM_DOFS, -1)[:, 0].copy()
+        spec = mujoco.MjSpec()  # an empty world, the copies' names with a number before them
+        for number in range(_COPIES):
+            single = build_spec(robot, SimulationOptions(actuation="torque"))
+            spec.option = single.option
+            spec.worldbody.add_frame().attach_body(single.body(names.BASE), f"{number}_", "")
+        self._copies = copies = spec.compile()
+        self._data = data = mujoco.MjData(copies)
+        self._qpos, self._qvel = _per_copy(data.qpos), _per_copy(data.qvel)
+        # M, as its sparse entries, bias forces, centres of mass, rotations and sites, and about the
+        # centre of mass, angular above linear, velocities of bodies, axes of degrees of freedom and
+        # their derivatives.
+        self._terms = tuple(
+            _per_copy(values)
+            for values in (
+                *(data.M, data.qfrc_bias, data.subtree_com[1:], data.xmat[1:]),
+                *(data.site_xpos, data.site_xmat, data.cvel[1:], data.cdof, data.cdof_dot),
+            )
+        )
+        rows = np.repeat(np.arange(copies.nv), copies.M_rownnz)
+        first = slice(self._terms[0].shape[1])
+        self._entries = rows[first].copy(), copies.M_colind[first].astype(int)
+        bodies = names.BASE, *(names.foot(side) for side in names.SIDES)
+        self._places = (
+            np.array([copies.site(f"0_{names.sole(side)}").id for side in names.SIDES]),
+            np.array([copies.body(f"0_{name}").id - 1 for name in bodies]),
+        )
         standing = self.evaluate(nominal_qpos(robot)[None], np.zeros((1, NUM_DOFS)))
         self.nominal_height = float(standing.com[0, 2])
 
     def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Dynamics:
         """Terms at positions (n, 19) and velocities (n, 18)."""
-        n, copies = len(qvel), self._copies
+        n, model, data = len(qvel), self._copies, self._data
         qvel = np.ascontiguousarray(qvel)
         mass, bias = np.empty((n, NUM_DOFS, NUM_DOFS)), np.empty((n, NUM_DOFS))
         com, turn = np.empty((n, 3)), np.empty((n, 9))
         soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
         jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6))
-        places = copies.soles, copies.bodies
         results = mass, bias, com, turn, soles, turns, jacobians, rates
-        for start in copies.evaluate(qpos, qvel):
-            _read(copies.terms, copies.entries, places, start, qvel, results)
+        for start in range(0, n, _COPIES):  # copies that are left over have terms of robots before
+            count = min(_COPIES, n - start)
+            self._qpos[:count] = qpos[start : start + count]
+            self._qvel[:count] = qvel[start : start + count]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_tendon(model, data)
+            mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+            _read(self._terms, self._entries, self._places, start, qvel, results)
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
         return Dynamics(
             base_position=qpos[:, :3],
@@ -116,64 +148,6 @@ class NominalModel:
         )
 
 
-class _Copies:
-    """Evaluates any number of robots, as many at once as the model has copies.
-
-    Attributes:
-        terms: MuJoCo's arrays (copies, …) of the last evaluation: M, as its sparse entries, bias
-            forces, centres of mass, rotations and sites, and about the centre of mass, angular
-            above linear, velocities of bodies, axes of degrees of freedom and their derivatives.
-        entries: rows (r,), columns (r,) of the sparse M.
-        soles, bodies: places of the soles among the sites; of base and feet among the bodies.
-    """
-
-    def __init__(self, robot: RobotConfig) -> None:
-        self._model = model = _repeated(robot)
-        self._data = data = mujoco.MjData(model)
-        self._qpos, self._qvel = _per_copy(data.qpos), _per_copy(data.qvel)
-        self.terms = tuple(
-            _per_copy(values)
-            for values in (
-                *(data.M, data.qfrc_bias, data.subtree_com[1:], data.xmat[1:]),
-                *(data.site_xpos, data.site_xmat, data.cvel[1:], data.cdof, data.cdof_dot),
-            )
-        )
-        rows = np.repeat(np.arange(model.nv), model.M_rownnz)
-        first = slice(self.terms[0].shape[1])
-        self.entries = rows[first].copy(), model.M_colind[first].astype(int)
-        self.soles = np.array([model.site(f"0_{names.sole(side)}").id for side in names.SIDES])
-        bodies = names.BASE, *(names.foot(side) for side in names.SIDES)
-        self.bodies = np.array([model.body(f"0_{name}").id - 1 for name in bodies])
-
-    def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Iterator[int]:
-        """Evaluate positions (n, 19) and velocities (n, 18); the first robot of each of the calls.
-
-        The copies that are left over in the last call have terms of robots before.
-        """
-        model, data = self._model, self._data
-        for start in range(0, len(qvel), _COPIES):
-            count = min(_COPIES, len(qvel) - start)
-            self._qpos[:count] = qpos[start : start + count]
-            self._qvel[:count] = qvel[start : start + count]
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_tendon(model, data)
-            mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
-            mujoco.mj_comVel(model, data)
-            mujoco.mj_rne(model, data, 0, data.qfrc_bias)
-            yield start
-
-
-def _repeated(robot: RobotConfig) -> mujoco.MjModel:
-    """Copies of the robot in an empty world, their names with a number before them."""
-    spec = mujoco.MjSpec()
-    for number in range(_COPIES):
-        single = build_spec(robot, SimulationOptions(actuation="torque"))
-        spec.option = single.option
-        spec.worldbody.add_frame().attach_body(single.body(names.BASE), f"{number}_", "")
-    return spec.compile()
-
-
 def _per_copy(values: np.ndarray) -> np.ndarray:
     """A view (copies, …) of a model's values, row by row or one after the other."""
     return values.reshape(_COPIES, -1, *values.shape[1:])
@@ -191,7 +165,7 @@ def _read(
     qvel: np.ndarray,
     results: _Arrays,
 ) -> None:
-    """Terms of the robots from ``start`` on, of as many as there are copies; see ``_Copies``."""
+    """Terms of the robots from ``start`` on, of as many as there are copies."""
     sparse, forces, coms, rotations, sites, site_rotations, twists, axes, rates = terms
     mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = results
     (rows, columns), (own_sites, bodies) = entries, places

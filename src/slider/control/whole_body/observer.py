@@ -7,6 +7,7 @@ plant's masses, motors, friction and pushes.
 """
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -61,7 +62,12 @@ class Observer:
         """The state at which the next torques will act, from the one that is measured now."""
         if self._acting is not None:
             self._simulate([self._acting])
-            self._correct(measured)
+            position, velocity = self._config.position, self._config.velocity
+            turn = rotation_between(self._qpos[:, 3:7], measured.quaternion)
+            qpos = self._qpos + position * (measured.qpos - self._qpos)
+            qpos[:, 3:7] = turned(self._qpos[:, 3:7], position * turn)
+            self._qpos = qpos
+            self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
         if not self._under_way:  # the contact flags are those that are measured
             self._model.reset(self._robots, self._qpos, self._qvel)
             return replace(self._model.read(), foot_forces=measured.foot_forces)
@@ -75,21 +81,13 @@ class Observer:
         self._under_way.append(torques)
         self._acting = self._under_way.popleft()
 
-    def _simulate(self, inputs: "list[np.ndarray] | deque[np.ndarray]") -> None:
+    def _simulate(self, inputs: Iterable[np.ndarray]) -> None:
         """Let the estimate go on, one tick for each of the torques (N, 12)."""
         self._model.reset(self._robots, self._qpos, self._qvel)
         self._model.retire(self._given_up)
         for torques in inputs:
             self._model.step(torques)
         self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()
-
-    def _correct(self, measured: RobotState) -> None:
-        position, velocity = self._config.position, self._config.velocity
-        turn = rotation_between(self._qpos[:, 3:7], measured.quaternion)
-        qpos = self._qpos + position * (measured.qpos - self._qpos)
-        qpos[:, 3:7] = turned(self._qpos[:, 3:7], position * turn)
-        self._qpos = qpos
-        self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
 
 
 class ObservingController:

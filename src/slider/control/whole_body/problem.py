@@ -26,19 +26,9 @@ NUM_ACTUATED = len(_ACTUATED)
 _JOINTS = np.array(names.ACTUATED)
 
 
-@dataclass(frozen=True)
-class Tasks:
-    """Desired accelerations of n robots: J q̈ + bias = desired, per row.
-
-    Attributes:
-        jacobian: (n, r, 18).
-        desired: (n, r) without the bias: acceleration − J̇ q̇.
-        weight: (r,).
-    """
-
-    jacobian: np.ndarray
-    desired: np.ndarray
-    weight: np.ndarray
+Part = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Tasks of n robots: Jacobian (n, r, 18), desired J q̈ (n, r), the acceleration less the bias
+J̇ q̇, and weight (r,)."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +64,7 @@ class WholeBody:
         return points.reshape(len(feet), -1, NUM_DOFS)
 
     def build(
-        self, dynamics: Dynamics, tasks: Tasks, feet: np.ndarray, loaded: np.ndarray
+        self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> Problem:
         """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force."""
         contact = self.contact_jacobian(dynamics, feet)
@@ -85,20 +75,29 @@ class WholeBody:
         rows, still = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
         rows[:, NUM_ACTUATED:] = cone
         terms = dynamics.mass_matrix, dynamics.bias, contact
-        targets = tasks.jacobian, tasks.desired, np.sqrt(tasks.weight)
-        settings = self._damping(ranks), self._to_motors
-        _reduce(terms, targets, settings, hessian, gradient, efforts, rows, still)
+        jacobians, desired, weights = zip(*parts, strict=True)
+        targets = np.concatenate(jacobians, 1), np.concatenate(desired, 1)
+        accelerations, forces = self._config.regularisation
+        settings = np.repeat([forces, accelerations], [ranks, NUM_ACTUATED]), self._to_motors
+        _reduce(
+            terms,
+            (*targets, np.sqrt(np.concatenate(weights))),
+            settings,
+            hessian,
+            gradient,
+            efforts,
+            rows,
+            still,
+        )
         low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
-        force_low, force_high = self._force_bounds(loaded)
+        largest = np.where(np.repeat(loaded, 2, axis=1), self._config.force_max, 0.0)
+        force_high = np.repeat(largest, 3, axis=1)  # at heel and toe; none of a foot in the air
+        force_low = -force_high
+        force_low[:, 2::3] = 0.0
         zero = np.zeros((n, len(cone)))
         lower = np.concatenate([force_low, low - still, zero - qp.UNBOUNDED], axis=1)
         upper = np.concatenate([force_high, high - still, zero], axis=1)
         return Problem(hessian, gradient, rows, lower, upper, efforts)
-
-    def _damping(self, ranks: int) -> np.ndarray:
-        """ρ (size,) of forces and accelerations."""
-        accelerations, forces = self._config.regularisation
-        return np.repeat([forces, accelerations], [ranks, NUM_ACTUATED])
 
     def _cone(self, ranks: int) -> np.ndarray:
         """Rows (4 · points, size) of ±fx − μ' fz ≤ 0 and ±fy − μ' fz ≤ 0, μ' = μ/√2."""
@@ -109,14 +108,6 @@ class WholeBody:
                 cone[4 * point + row, 3 * point + axis] = sign
                 cone[4 * point + row, 3 * point + 2] = -self._config.friction / np.sqrt(2)
         return cone
-
-    def _force_bounds(self, loaded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds (n, 6 · feet) of the forces at heel and toe: a foot in the air has none."""
-        largest = np.where(np.repeat(loaded, 2, axis=1), self._config.force_max, 0.0)
-        upper = np.repeat(largest, 3, axis=1)
-        lower = -upper
-        lower[:, 2::3] = 0.0
-        return lower, upper
 
     def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
         """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""

@@ -9,13 +9,11 @@ from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body.memory import FEET, Memory
 from slider.control.whole_body.model import NUM_DOFS, Dynamics
-from slider.control.whole_body.problem import Tasks, WholeBody
+from slider.control.whole_body.problem import Part, WholeBody
 from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
 
 _LINE, _UP = 5, 2  # coordinates of a foot's line: place, pitch, yaw; its height
-Part = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Jacobian (n, r, 18), desired acceleration less the bias (n, r), weight (r,)."""
 Solved = tuple[np.ndarray, np.ndarray]
 
 
@@ -91,7 +89,7 @@ class BodyControl:
         self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> Solved:
         """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
-        return self._whole_body.solve(self._whole_body.build(dynamics, join(parts), feet, loaded))
+        return self._whole_body.solve(self._whole_body.build(dynamics, parts, feet, loaded))
 
     def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Part:
         """Base upright, looking along ``heading`` (n,) [rad] that turns with ``yaw_rate`` (n,)."""
@@ -100,7 +98,9 @@ class BodyControl:
         rate[:, 2] += yaw_rate
         jacobian = np.zeros((n, 3, NUM_DOFS))
         jacobian[:, :, 3:6] = rotation  # base rates are in its own frame
-        error = _rotation_error(about_z(heading), rotation)
+        difference = about_z(heading) @ rotation.swapaxes(1, 2)  # a small turn, world axes
+        skew = 0.5 * (difference - difference.swapaxes(1, 2))
+        error = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
         return jacobian, *feedback(self._config.base, error, rate)
 
     def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Part:
@@ -145,12 +145,6 @@ def _stance(
                 rate[row] -= kd * np.dot(rows[row], qvel[robot])
 
 
-def join(parts: list[Part]) -> Tasks:
-    """One set of rows from several parts."""
-    jacobians, desired, weights = zip(*parts, strict=True)
-    return Tasks(np.concatenate(jacobians, 1), np.concatenate(desired, 1), np.concatenate(weights))
-
-
 def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
     """World axes (…, 2, 3) about which a foot pitches and yaws: level and leftward, vertical."""
     along = rotation[..., :2, 0] / np.linalg.norm(rotation[..., :2, 0], axis=-1, keepdims=True)
@@ -170,13 +164,6 @@ def feedback(
 def point_velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
     """Velocities (n, r) of tasks with Jacobians (n, r, 18)."""
     return (jacobian @ qvel[:, :, None])[..., 0]
-
-
-def _rotation_error(desired: np.ndarray, actual: np.ndarray) -> np.ndarray:
-    """World vector (n, 3) [rad] of the turn from ``actual`` to ``desired``, small angles."""
-    difference = desired @ actual.swapaxes(1, 2)
-    skew = 0.5 * (difference - difference.swapaxes(1, 2))
-    return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 
 
 def wrapped(angle: np.ndarray) -> np.ndarray:

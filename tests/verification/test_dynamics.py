@@ -1,4 +1,4 @@
-"""The roll dynamics against closed forms."""
+"""The roll against closed forms."""
 
 import numpy as np
 import pinocchio as pin
@@ -6,7 +6,7 @@ import pytest
 from scipy.interpolate import BPoly
 
 from slider.config.gait import IntegratorConfig
-from slider.verification.roll import RollDynamics
+from slider.verification.dynamics import integrate_roll
 from slider.verification.stored import StepMotion
 from tests.verification.sample import pinocchio
 
@@ -14,21 +14,16 @@ FINE = IntegratorConfig(1e-10, 1e-12)
 POSE = np.array([0.1, -0.1, -0.4, 0.9, -0.45, 0.05, 0.2, -0.5, 1.1, -0.6])
 
 
-def frozen(side: str) -> RollDynamics:
-    """The robot with its joints locked: a pendulum about the foot line."""
-    still = BPoly(POSE[None, None, :], [0.0, 0.4])
-    curves = (still, still.derivative(), still.derivative(2))
-    return RollDynamics(pinocchio(), StepMotion(side, 0.4, curves, curves), FINE)
-
-
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_locked_joints_make_a_pendulum_that_keeps_its_energy(side):
-    dynamics = frozen(side)
-    path = dynamics.integrate(np.array([0.05, -0.4]), np.linspace(0.0, 0.4, 9))
+    still = BPoly(POSE[None, None, :], [0.0, 0.4])
+    curves = (still, still.derivative(), still.derivative(2))
+    motion, times = StepMotion(side, 0.4, curves, curves), np.linspace(0.0, 0.4, 9)
+    path = integrate_roll(pinocchio(), motion, FINE, np.array([0.05, -0.4]), times)
 
     def energy(roll, rate):
         robot = pinocchio()
-        state = robot.moving(dynamics.motion, 0.0, np.array([roll, 0.0, 0.0]))
+        state = robot.moving(motion, 0.0, np.array([roll, 0.0, 0.0]))
         _, inertia = robot.line_moment_and_inertia(state, side)
         height = pin.centerOfMass(robot.model, robot.data, state.q)[2]
         return inertia * rate**2 / 2 + pin.computeTotalMass(robot.model) * 9.81 * height

@@ -1,13 +1,13 @@
-"""Coordinates that count from uneven ground: against closed forms and finite differences."""
+"""The hip, and coordinates that count from uneven ground, by closed forms and differences."""
 
 import numpy as np
 import pytest
 
-from slider.control.hzd.footing import SLIDE, uneven
-from slider.control.whole_body.memory import Memory
+from slider.control.hzd.motion import SLIDE, hip, uneven
+from slider.control.whole_body.memory import RIGHT, Memory
 from slider.env.ground import FLAT
 from slider.gait.outputs import ANKLE, STANCE, SWING
-from tests.control.hzd.test_steps import COUNT, ROBOTS
+from tests.control.hzd.test_steps import COUNT, ROBOTS, standing
 
 SLOPE = np.array([0.1, -0.05])  # rise over run along x and y
 FOOTHOLDS = np.tile([[0.0, 0.1], [-0.3, -0.1], [0.4, -0.1]], (COUNT, 1, 1))
@@ -68,7 +68,12 @@ def test_derivatives_are_differences():
         found = (after[order] - before[order]) / (2 * step)
         np.testing.assert_allclose(now[order + 1], found, atol=1e-8)
     assert np.abs(now[2]).max() > 0.01
-
-
-def test_level_ground_changes_nothing():
     assert not np.any(change(FLAT, 0.3))
+
+
+def test_the_hip_is_measured_along_the_line_of_the_foot():
+    dynamics = standing()
+    place, speed = hip(dynamics, np.full(COUNT, RIGHT), np.array([0.0, np.pi / 2]))
+    offset = (dynamics.base_position[:, :2] - dynamics.foot_positions[:, RIGHT, :2])[ROBOTS, ROBOTS]
+    np.testing.assert_allclose(place, offset)
+    np.testing.assert_allclose(speed, dynamics.qvel[ROBOTS, ROBOTS])

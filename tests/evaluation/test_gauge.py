@@ -17,8 +17,7 @@ from slider.control.export import write_files
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.evaluation import gauge
-from slider.evaluation.axes import disturbed, words
-from slider.evaluation.gauge import count_passes, with_noisier_sensors
+from slider.evaluation.gauge import count_passes, disturbed, with_noisier_sensors, words
 from tests.control.policies import write_policy
 from tests.env.synthetic import CONF, config
 

@@ -15,9 +15,10 @@ import pandas as pd
 import torch
 
 from slider.config.convert import from_dict
-from slider.config.env import EnvConfig
-from slider.config.evaluation import GaugeProtocol
+from slider.config.env import DisturbanceConfig, EnvConfig, SensingConfig, TerrainConfig
+from slider.config.evaluation import TERRAINS, GaugeProtocol
 from slider.config.robot import RobotConfig
+from slider.config.types import Interval
 from slider.control.exported import load_exported
 from slider.control.policy import PolicyController
 from slider.core.job import Inputs, Job, Section, Summary
@@ -25,13 +26,57 @@ from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
-from slider.evaluation.axes import disturbed
+from slider.env.terrain import magnitude
 from slider.evaluation.stage import Simulated, at_speeds, simulate, simulate_baseline
 
 CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
 COUNTS = ("survived", "passed", "mean_velocity")  # empty where a level was not run
 COLUMNS = ("level", "value", "direction", "seed", "speed", "robots", *COUNTS)
+_WORDS = {  # of a value: text, and shown number per stored one
+    "friction": ("{:.3g}", 1.0),
+    "payload": ("{:.3g} kg", 1.0),
+    "delay": ("{:.3g} ms", 1e3),
+    "motor_strength": ("{:.3g} %", 1e2),
+    "sensor_noise": ("× {:.3g}", 1.0),
+    "push": ("{:.3g} N s", 1.0),
+}
+
+
+def words(axis: str, value: float) -> str:
+    """What a value is, such as ``6.25°`` or ``40 ms``."""
+    if axis in TERRAINS:
+        return magnitude(axis, value)
+    text, factor = _WORDS[axis]
+    return text.format(factor * value)
+
+
+def disturbed(
+    base: DisturbanceConfig,
+    sensing: SensingConfig,
+    axis: str,
+    value: float,
+    direction: float | None = None,
+) -> DisturbanceConfig:
+    """A disturbance with a value of an axis.
+
+    Args:
+        base: what else disturbs the robots.
+        sensing: white noise, which ``sensor_noise`` multiplies.
+        axis: name of the axis.
+        value: in SI units.
+        direction: of pushes, from forward towards left [rad].
+    """
+    exactly = Interval(value, value)
+    if axis in TERRAINS:
+        return replace(base, terrain=TerrainConfig([axis], exactly, False))  # pyright: ignore[reportArgumentType]
+    if axis == "push":
+        return replace(base, push=replace(base.push, impulse=exactly, direction=direction))
+    if axis == "sensor_noise":
+        noise = {name: value * deviation for name, deviation in vars(sensing).items()}
+        return replace(base, sensing=SensingConfig(**noise))
+    name = "motor_gain" if axis == "motor_strength" else axis
+    return replace(base, **{name: exactly})
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:

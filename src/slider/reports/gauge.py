@@ -11,8 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.axes import words
-from slider.evaluation.gauge import CSV
+from slider.evaluation.gauge import CSV, words
 from slider.reports import rows as tables
 from slider.reports.figures.gauge import draw, pass_rate
 from slider.reports.figures.style import write_pictures

@@ -76,13 +76,13 @@ def between_nodes(
         beyond = np.maximum(step.joints - upper, lower - step.joints)
         steps.append(
             {
-                "dense_penetration": max(0.0, -lowest.min()),
-                "dense_clearance": max(0.0, (parabola - lowest).max()),
+                "dense_penetration": np.maximum(0.0, -lowest.min()),
+                "dense_clearance": np.maximum(0.0, (parabola - lowest).max()),
                 "dense_cop": pressure_share(step.wrench, pinocchio).max(),
                 "dense_friction": (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max(),
                 "dense_torque": np.abs(torque).max(),
                 "dense_voltage": np.abs(voltage).max(),
-                "dense_position": max(0.0, beyond.max()),
+                "dense_position": np.maximum(0.0, beyond.max()),
             }
         )
     return {name: float(np.max([step[name] for step in steps])) for name in steps[0]}

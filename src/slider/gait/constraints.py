@@ -11,15 +11,8 @@ import casadi as ca
 import numpy as np
 
 from slider.core.errors import UserError
-from slider.gait.formulation import (
-    Formulation,
-    Node,
-    StepEnd,
-    end_loads,
-    impact,
-    mirrored,
-    turned_back,
-)
+from slider.gait.contact import end_loads, impact, mirrored
+from slider.gait.formulation import Formulation, Node, StepEnd, turned_back
 from slider.gait.tree import SWING
 from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
 

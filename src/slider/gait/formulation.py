@@ -15,10 +15,10 @@ import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.config.robot import Mechanism, leg_scale
-from slider.gait.dynamics import InverseDynamics, PrismaticTree, StanceTree
-from slider.gait.tree import LEG_JOINTS, NUM_JOINTS, STANCE, SWING, BodyPose, rotation
+from slider.gait.dynamics import PrismaticTree, StanceTree
+from slider.gait.tree import NUM_JOINTS, STANCE, SWING, rotation
 from slider.robot.bodies import knee_bodies, total_mass
-from slider.robot.names import ACTUATED, GRAVITY, LEG_MIRROR_SIGN
+from slider.robot.names import ACTUATED, GRAVITY
 from slider.robot.transmission import Transmission
 
 
@@ -192,42 +192,3 @@ class Node:
 def turned_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
     """Vectors (3, n) in axes that are yawed by ``angle`` [rad]; unchanged for a 0."""
     return rotation(2, angle).T @ vectors
-
-
-def mirrored(q: ca.SX) -> ca.SX:
-    """Joint vector (10,) in the next step's coordinates: legs swapped and reflected."""
-    sign = ca.DM(LEG_MIRROR_SIGN[:LEG_JOINTS])
-    return ca.SX(ca.vertcat(sign * q[LEG_JOINTS:], sign * q[:LEG_JOINTS]))
-
-
-def impact(
-    form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd, turn: ca.SX
-) -> InverseDynamics:
-    """Impulsive torques and impulses on the foot that lands, yawed by ``turn`` [rad].
-
-    A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``foot`` is its pose in
-    the old step's coordinates; those of ``after`` are reflected.
-    """
-    reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
-    reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
-    new = form.tree.foot_pose(after.roll, after.roll_rate)
-    angular = new.angular - reflect_axial @ foot.angular
-    linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
-    jump, rest = (ca.SX.zeros(3), angular, linear), ca.SX.zeros(NUM_JOINTS)
-    return form.tree.newton_euler(jump, after.q, rest, after.v - mirrored(before.v))
-
-
-def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Vertical forces at toe and heel (2,), and slack of the friction cone (6,) [N].
-
-    Works on forces [N] and on impulses [N s]. The cone is an inner pyramid, μ/√2 per axis.
-    """
-    mu = form.config.contact.friction / np.sqrt(2.0)
-    toe, heel = form.robot.geometry.toe, -form.robot.geometry.heel
-    toe_z = (-moment[1] - heel * force[2]) / (toe - heel)
-    heel_z = force[2] - toe_z
-    toe_y = (moment[2] - heel * force[1]) / (toe - heel)
-    heel_y = force[1] - toe_y
-    pairs = (toe_z, toe_y), (heel_z, heel_y), (force[2], force[0])
-    cone = [mu * normal + sign * tangent for normal, tangent in pairs for sign in (-1, 1)]
-    return ca.vertcat(toe_z, heel_z), ca.vertcat(*cone)

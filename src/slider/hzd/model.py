@@ -13,7 +13,7 @@ import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.core.casadi_code import Source, interpreted
-from slider.gait.formulation import mirrored
+from slider.gait.contact import mirrored
 from slider.gait.outputs import ANKLE, LEG, NUM_JOINTS
 from slider.gait.rooted import NUM, RootedRobot
 
@@ -123,7 +123,7 @@ class RootedModel:
 
         Only the forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺ is what
         q̇⁻ carries about the line and along the joints. A foot that lands with a small pitch is
-        laid flat by its ankle.
+        laid flat by its ankle. ``slider.gait.contact.impact`` is that of a gait, which lands flat.
         """
         place, mass, carried, angles = self._impact_map(q, v)
         rate = np.linalg.solve(mass, carried[:, :, None])[:, :, 0]

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -153,6 +154,17 @@ def test_content_is_read_once_until_it_may_have_changed(store, manifest, reading
     assert store.is_whole(digest)
     assert len(readings) == 2
     change(data(store, manifest))
+    assert not store.is_whole(digest)
+
+
+def test_a_missing_object_is_not_that_of_an_empty_entry(store, manifest, readings):
+    """Such as of a disk that was full; a missing folder has no files either."""
+    digest = manifest.result.object
+    assert store.is_whole(digest)
+    assert readings
+    (entry,) = (path for path in (store.root / "integrity").rglob("*") if path.is_file())
+    entry.write_text("")
+    shutil.rmtree(store.object_folder(digest))
     assert not store.is_whole(digest)
 
 

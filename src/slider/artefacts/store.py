@@ -230,7 +230,13 @@ class Store:
 
 
 def _look(folder: Path) -> tuple[str, int]:
-    """Inode, size, times and path of each file, as a text; the latest of the times [ns]."""
+    """Inode, size, times and path of each file, as a text; the latest of the times [ns].
+
+    Raises:
+        NotADirectoryError: there is no such folder, which would look like an empty one.
+    """
+    if not folder.is_dir():
+        raise NotADirectoryError(folder)
     lines, latest = [], 0
     for name in files.list_files(folder):
         facts = (folder / name).lstat()

@@ -101,7 +101,7 @@ def _register_scale(name: str, scale: Callable[[Any], float]) -> None:
         try:
             factor = round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
             return value * factor if factor > 0.0 else value
-        except (OmegaConfBaseException, TypeError, AttributeError):
+        except (OmegaConfBaseException, TypeError, AttributeError, ZeroDivisionError):
             return value  # the schema has a line about the robot's value, which comes first
 
     OmegaConf.register_new_resolver(name, resolve, replace=True)

@@ -72,12 +72,17 @@ def _mistake(error: ValidationError, values: Any, key: str) -> str:
     messages = [item["msg"] for other, item in items if other == place]
     expected = " or ".join(dict.fromkeys(_FRAME.sub("", message) for message in messages))
     expected = expected.replace("an object", "keys and values").replace("a valid array", "a list")
-    found = json.dumps(chosen["input"], ensure_ascii=False)
+    value, context = chosen["input"], chosen.get("ctx", {})
+    if names := context.get("names"):
+        value = {name: value[name] for name in names if name in value}
+    found = json.dumps(value, ensure_ascii=False)
     if chosen["type"] == "missing":
         expected, found = "a value", "none"
-        place += [part for part in chosen["loc"][-1:] if isinstance(part, str)]
-    elif "discriminator" in (context := chosen.get("ctx", {})):
-        expected = f"{context['discriminator']} of {context.get('expected_tags', 'its settings')}"
+        place += chosen["loc"][-1:]
+    elif "discriminator" in context:
+        place.append(name := context["discriminator"].strip("'"))
+        expected = context.get("expected_tags", "a value").replace(", ", " or ")
+        found = json.dumps(value[name], ensure_ascii=False) if name in value else "none"
     name = key + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
     name = name.lstrip(".") or "configuration"
     if chosen["type"] == "unexpected_keyword_argument":

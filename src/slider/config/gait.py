@@ -63,7 +63,7 @@ class StepTime:
     law: Literal["free", "fixed", "speed"]
     """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
     value: t.Positive[t.Seconds]
-    """duration of the laws fixed and speed, clipped to the bounds"""
+    """duration of the law fixed, within the bounds; of speed at rest, clipped to them"""
     slope: Annotated[float, t.Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
     """change with the speed"""
 
@@ -185,6 +185,7 @@ class FormulationConfig:
         t.Rule(
             "clearance + clearance_margin < swing_height",
             lambda posture: posture.clearance + posture.clearance_margin < posture.swing_height,
+            ("clearance", "clearance_margin", "swing_height"),
         ),
     ]
     contact: ContactLimits
@@ -200,7 +201,15 @@ class SolveConfig:
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
     decoupling_min: Annotated[float, t.Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
     """least singular value of the decoupling matrix, per share of the motors' torque limits"""
-    step_time: Annotated[StepTime, t.ordered("lower", "upper")]
+    step_time: Annotated[
+        StepTime,
+        t.ordered("lower", "upper"),
+        t.Rule(
+            "lower ≤ value ≤ upper with law=fixed",
+            lambda time: time.law != "fixed" or time.lower <= time.value <= time.upper,
+            ("law", "lower", "value", "upper"),
+        ),
+    ]
     solver: SolverConfig
 
 
@@ -271,7 +280,11 @@ class ReplayConfig:
     """a swing foot that has not landed by then has missed the ground"""
     regulator: Annotated[
         RegulatorConfig,
-        t.Rule("one `forward` for each of `speeds`", lambda r: len(r.forward) == len(r.speeds)),
+        t.Rule(
+            "one `forward` for each of `speeds`",
+            lambda regulator: len(regulator.forward) == len(regulator.speeds),
+            ("forward", "speeds"),
+        ),
     ]
 
 

@@ -202,6 +202,7 @@ class TrainConfig:
         t.Rule(
             "flight_weight ≤ half of fall_weight: a robot that fell costs most",
             lambda selection: selection.flight_weight <= selection.fall_weight / 2,
+            ("flight_weight", "fall_weight"),
         ),
     ]
     disturbance: DisturbanceConfig

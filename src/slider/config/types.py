@@ -11,7 +11,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.dataclasses import dataclass
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 STRICT = ConfigDict(
     extra="forbid",
@@ -34,10 +34,11 @@ def Unit(text: str) -> Any:
 
 @plain_dataclass(frozen=True)
 class Rule:
-    """What else must hold of a value, in words and as a test."""
+    """What else must hold of a value, in words and as a test; ``names`` of a group that it joins."""
 
     text: str
     holds: Callable[[Any], object]
+    names: tuple[str, ...] = ()
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -51,7 +52,7 @@ class Rule:
 
     def _checked(self, value: Any) -> Any:
         if not self.holds(value):
-            raise ValueError(self.text)
+            raise PydanticCustomError("rule", "{text}", {"text": self.text, "names": self.names})
         return value
 
 
@@ -62,7 +63,7 @@ def ordered(*names: str, strict: bool = False) -> Rule:
         pairs = pairwise(getattr(group, name) for name in names)
         return all(a < b or (a == b and not strict) for a, b in pairs)
 
-    return Rule((" < " if strict else " ≤ ").join(names), holds)
+    return Rule((" < " if strict else " ≤ ").join(names), holds, names)
 
 
 def _distinct(values: list[Any]) -> bool:

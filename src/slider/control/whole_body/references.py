@@ -200,7 +200,7 @@ class Entry:
         more: the capture point x + ẋ/ω is beyond the feet.
 
         Args:
-            sway: their
+            sway: their references.
             position, velocity: of the centre of mass (n, 2) [m], [m/s].
             foot: the first stance foot (n, 2) [m].
         """

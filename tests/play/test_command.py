@@ -28,12 +28,8 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
     ("arguments", "machine", "message"),
     [
         ("--gait 0.6", nothing, "--gait: expected VX VY [YAW_RATE], found 1 values"),
-        ("--gait 0.6 0 0.3 1", nothing, "--gait: expected VX VY [YAW_RATE], found 4 values"),
-        ("--gait nan 0", nothing, "argument --gait: expected a finite number, found nan"),
         ("zero --velocity inf 0 0", nothing, "--velocity: expected a finite number, found inf"),
         ("zero --velocity 9 0 0", nothing, "--velocity: expected VX between -1 and 3, found 9"),
-        ("zero --velocity 1 0.6 0", nothing, "--velocity: expected VY between -0.5 and 0.5"),
-        ("zero --seconds nan", nothing, "--seconds: expected a finite number, found nan"),
         ("zero --seconds 0", nothing, "--seconds: expected a positive number, found 0"),
         ("zero --seed -1", nothing, "--seed: expected no negative number, found -1"),
         ("zero --web --port 99999", nothing, "--port: expected a number from 0 to 65535, found"),

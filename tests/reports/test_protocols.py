@@ -23,10 +23,11 @@ from slider.reports import protocols, rows
 from slider.reports.page import content
 from slider.reports.table import Picture, Table
 from tests.env.synthetic import CONF, config, make_recording
-from tests.evaluation.test_results import make_robots, random_robots, write_evaluation
+from tests.evaluation.test_results import make_robots, random_robots
 from tests.evaluation.test_segments import case, protocol, recording
 from tests.reports.sources import pick, sources
 
+LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
 STEPS = round(SECONDS / PERIOD)
 STOP = CaseConfig(
@@ -56,41 +57,51 @@ def case_recording(case: CaseConfig, alive: np.ndarray) -> Recording:
     return make_recording(command, alive=up, velocity=velocity, position=position)
 
 
-def write_cases(folder: Path, alive: list[bool]):
-    out = folder / "out"
-    out.mkdir(parents=True)
-    inputs = []
-    for one in (STOP, SIDE):
-        inputs.append(folder / f"e{len(inputs)}")
-        inputs[-1].mkdir()
-        rollout = case_recording(one, np.array(alive))
-        robots = tuple(segments.measure(rollout, cases_protocol(), one))
-        Evaluation("policy", None, random_robots(), case=one.name, segments=robots).save(inputs[-1])
-    section = {
-        "name": "heldout",
-        "evaluation": to_dict(cases_protocol()),
-        "labels": {"policy": "policy (ours)"},
-        "robot": "mine",
-    }
+def report(folder: Path, name: str, config: EvaluationConfig, evaluations: list[Evaluation]):
+    """A protocol's report: its summary, its rows as texts, and the folder of its files."""
+    section = {"name": name, "evaluation": to_dict(config), "labels": LABELS, "robot": "mine"}
+    inputs, out = write_all(folder, evaluations)
     summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
-    rows = list(csv.DictReader((out / "heldout.csv").read_text().splitlines()))
+    rows = list(csv.DictReader((out / f"{name}.csv").read_text().splitlines()))
     return summary, rows, out
 
 
-def test_one_row_per_case(tmp_path):
-    summary, rows, out = write_cases(tmp_path, [True] * COUNT)
+def write_all(folder: Path, evaluations: list[Evaluation]) -> tuple[list[Path], Path]:
+    """Folders of evaluations, and an empty one for what is made of them."""
+    *inputs, out = (folder / str(index) for index in range(len(evaluations) + 1))
+    out.mkdir(parents=True)
+    for one, target in zip(evaluations, inputs, strict=True):
+        target.mkdir()
+        one.save(target)
+    return inputs, out
+
+
+def report_cases(folder: Path, alive: list[bool]):
+    protocol, evaluations = cases_protocol(), []
+    for one in (STOP, SIDE):
+        robots = tuple(segments.measure(case_recording(one, np.array(alive)), protocol, one))
+        found = Evaluation("policy", None, random_robots(), case=one.name, segments=robots)
+        evaluations.append(found)
+    return report(folder, "heldout", protocol, evaluations)
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory):
+    """The report of robots that all survive."""
+    return report_cases(tmp_path_factory.mktemp("cases"), [True] * COUNT)
+
+
+def test_one_row_per_case(cases):
+    summary, rows, _ = cases
     assert [row["case"] for row in rows] == [STOP.name, SIDE.name]
     assert [row["seconds"] for row in rows] == ["10", "10"]
     assert [row["vx_before"] for row in rows] == ["0.4", ""]
     assert [row["vy_command"] for row in rows] == ["0", "0.1"]
     assert summary == {"rows": 2, "success_rate": {"policy": 1.0}}
-    assert {path.name for path in out.iterdir()} == {
-        f"heldout.{suffix}" for suffix in ("csv", "md", "svg")
-    }
 
 
-def test_the_fastest_robot_is_a_maximum_and_standing_a_share(tmp_path):
-    _, (stop, side), _ = write_cases(tmp_path, [True] * COUNT)
+def test_the_fastest_robot_is_a_maximum_and_standing_a_share(cases):
+    _, (stop, side), _ = cases
     assert float(stop["fastest"]) == pytest.approx(0.2, abs=0.03)  # robot 2, not the mean
     assert float(stop["standing_rate"]) == 0.75
     ends = float(stop["standing_low"]), float(stop["standing_high"])
@@ -101,30 +112,26 @@ def test_the_fastest_robot_is_a_maximum_and_standing_a_share(tmp_path):
     assert {side[name] for name in protocols.STOPPED} == {""}
 
 
-def test_sideways_has_its_mean_and_its_error(tmp_path):
-    _, (_, side), _ = write_cases(tmp_path, [True] * COUNT)
-    late = round(3.0 / PERIOD)
-    lateral = case_recording(SIDE, np.ones(COUNT, dtype=bool)).velocity[late:, :, 1].mean(axis=0)
+def test_sideways_has_its_mean_and_its_errors(cases):
+    """The squared error is Table 1's, of a module without segments and cases."""
+    _, (_, side), _ = cases
+    rollout = case_recording(SIDE, np.ones(COUNT, dtype=bool))
+    lateral = rollout.velocity[round(3.0 / PERIOD) :, :, 1].mean(axis=0)
     assert float(side["vy"]) == pytest.approx(lateral.mean(), rel=1e-5)
     assert float(side["vy_error"]) == pytest.approx(np.abs(lateral - 0.1).mean(), rel=1e-5)
-
-
-def test_a_constant_command_has_table_1s_error(tmp_path):
-    """The same number from another module, which knows neither segments nor cases."""
-    _, (_, side), _ = write_cases(tmp_path, [True] * COUNT)
-    found = tracking(case_recording(SIDE, np.ones(COUNT, dtype=bool)), 3.0, 0.1, 0.1)
-    assert float(side["mse_steady"]) == pytest.approx(found.squared_error_steady.mean(), rel=1e-5)
+    found = tracking(rollout, 3.0, 0.1, 0.1).squared_error_steady
+    assert float(side["mse_steady"]) == pytest.approx(found.mean(), rel=1e-5)
 
 
 def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path):
-    summary, (stop, _), _ = write_cases(tmp_path, [True, False, False, True])
+    summary, (stop, _), _ = report_cases(tmp_path, [True, False, False, True])
     assert float(stop["success_rate"]) == float(stop["standing_rate"]) == 0.5
     assert float(stop["fastest"]) < 0.1
     assert summary["success_rate"] == {"policy": 0.5}
 
 
 def test_where_all_fall_there_are_no_numbers(tmp_path):
-    _, rows, out = write_cases(tmp_path, [False] * COUNT)
+    _, rows, out = report_cases(tmp_path, [False] * COUNT)
     assert {row["success_rate"] for row in rows} == {"0"}
     assert {row[name] for row in rows for name in protocols.MEANS} == {""}
     assert (rows[0]["standing_rate"], rows[0]["fastest"]) == ("0", "")
@@ -132,35 +139,16 @@ def test_where_all_fall_there_are_no_numbers(tmp_path):
     assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in text
 
 
-def write_segments(folder: Path) -> Path:
-    folder.mkdir(parents=True)
+def report_segments(folder: Path):
     rollout = recording()
     found = tuple(segments.measure(rollout, protocol(), case()))
     traces = segments.traces(rollout, protocol())
     evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
-    replace(evaluation, traces=traces).save(folder)
-    return folder
-
-
-def run_segments(folder: Path):
-    out = folder / "out"
-    inputs = [write_segments(folder / "a")]
-    out.mkdir()
-    section = {
-        "name": "joystick",
-        "evaluation": to_dict(protocol()),
-        "labels": {"policy": "policy (ours)"},
-        "robot": "mine",
-    }
-    summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
-    rows = list(csv.DictReader((out / "joystick.csv").read_text().splitlines()))
-    return summary, rows, out
+    return report(folder, "joystick", protocol(), [replace(evaluation, traces=traces)])
 
 
 def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
-    summary, rows, out = run_segments(tmp_path)
-    names = {path.name for path in out.iterdir()}
-    assert names == {f"joystick.{suffix}" for suffix in ("csv", "md", "svg")}
+    summary, rows, out = report_segments(tmp_path)
     assert [row["segment"] for row in rows] == ["stand", "turn", "side"]
     turn = rows[1]
     commanded = [turn[f"{axis}_command"] for axis in AXES]
@@ -172,30 +160,19 @@ def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
     assert "| 1 | turn | 0.4, 0, 0.3 | 75 | 0.167 |" in (out / "joystick.md").read_text()
 
 
-WALKS = make_robots([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
-FALLS = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+def sweep() -> EvaluationConfig:
+    return config("experiment=test").protocols["sweep"]
 
 
-def sweep_section() -> dict:
-    protocol = to_dict(config("experiment=test").protocols["sweep"])
-    labels = {"policy": "policy (ours)"}
-    return {"name": "sweep", "evaluation": protocol, "labels": labels, "robot": "mine"}
-
-
-def write_speeds(tmp_path, out):
-    inputs = [
-        write_evaluation(tmp_path / out / "a", 0.2, WALKS),
-        write_evaluation(tmp_path / out / "b", 3.0, FALLS),
-    ]
-    folder = tmp_path / out / "out"
-    folder.mkdir()
-    return protocols.run(sweep_section(), {"evaluations": inputs}, folder, Job(tmp_path)), folder
+def report_speeds(folder: Path):
+    walks = make_robots([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
+    falls = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+    evaluations = [Evaluation("policy", 0.2, walks), Evaluation("policy", 3.0, falls)]
+    return report(folder, "sweep", sweep(), evaluations)
 
 
 def test_speeds(tmp_path):
-    summary, out = write_speeds(tmp_path, "one")
-    assert {path.name for path in out.iterdir()} == {f"sweep.{x}" for x in ("csv", "md", "svg")}
-    rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    summary, rows, out = report_speeds(tmp_path)
     assert [row["speed"] for row in rows] == ["0.2", "3"]
     assert [row["success_rate"] for row in rows] == ["1", "0"]
     velocity = np.array([1.5, 1.25, 1.125, 2.0])  # errors + 1
@@ -214,29 +191,24 @@ def test_the_highest_tracked_speed():
     assert protocols.highest_tracked(rows) == {"policy": 2.2, "other": None}
 
 
-LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
 TRACE = np.array([[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]], dtype=np.float32)
 
 
-def write_tracking(folder: Path, *controllers: str) -> Path:
+def report_tracking(folder: Path, *controllers: str) -> Path:
     """The stage's files; nobody survives with the controller ``mpc``."""
-    inputs = []
-    for controller in controllers:
-        inputs.append(folder / controller)
-        inputs[-1].mkdir(parents=True)
-        robots = make_robots([[controller != "mpc"] * 2], [[1.0, 2.0]])
-        Evaluation(controller, 0.4, robots, TRACE).save(inputs[-1])
-    out = folder / "out"
-    out.mkdir(parents=True)
+    evaluations = [
+        Evaluation(name, 0.4, make_robots([[name != "mpc"] * 2], [[1.0, 2.0]]), TRACE)
+        for name in controllers
+    ]
+    inputs, out = write_all(folder, evaluations)
     section = {"speeds": [0.4, 3.0], "control_period": 0.02, "labels": LABELS, "robot": "mine"}
     protocols.run_tracking(section, {"evaluations": inputs}, out, Job(folder))
     return out
 
 
 def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
-    out = write_tracking(tmp_path, "policy", "mpc")
+    out = report_tracking(tmp_path, "policy", "mpc")
     name = protocols.TRACKING
-    assert {path.name for path in out.iterdir()} == {f"{name}.{x}" for x in ("csv", "md", "svg")}
     ours, others = rows.by(rows.read(out / f"{name}.csv"), "label").values()
     assert [row["time"] for row in ours] == [0.02, 0.04, 0.06]
     assert [row["mean_velocity"] for row in ours] == [0.1, 0.3, 0.4]
@@ -250,7 +222,7 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
 def test_tracking_needs_an_evaluated_speed(tmp_path):
     message = r"^report\.tracking_speeds: expected at least one of evaluation\.speeds, found "
     with pytest.raises(UserError, match=message + r"\[0\.4, 3\.0\]$"):
-        write_tracking(tmp_path)
+        report_tracking(tmp_path)
 
 
 def test_the_job_waits_for_the_speeds_that_it_shows_alone():
@@ -262,27 +234,26 @@ def test_the_job_waits_for_the_speeds_that_it_shows_alone():
 
 
 @pytest.mark.parametrize(
-    "write",
+    ("name", "write"),
     [
-        lambda folder: write_cases(folder, [True] * COUNT)[2],
-        lambda folder: run_segments(folder)[2],
-        lambda folder: write_speeds(folder, "out")[1],
-        lambda folder: write_tracking(folder, "policy"),
+        ("heldout", lambda folder: report_cases(folder, [True] * COUNT)[2]),
+        ("joystick", lambda folder: report_segments(folder)[2]),
+        ("sweep", lambda folder: report_speeds(folder)[2]),
+        (protocols.TRACKING, lambda folder: report_tracking(folder, "policy")),
     ],
-    ids=["cases", "segments", "speeds", "tracking"],
 )
-def test_same_input_same_bytes(write, tmp_path):
+def test_each_report_is_three_files_and_repeats_itself(name, write, tmp_path):
     one, other = write(tmp_path / "one"), write(tmp_path / "other")
+    assert {path.name for path in one.iterdir()} == {f"{name}.{x}" for x in ("csv", "md", "svg")}
     for path in one.iterdir():
         assert path.read_bytes() == (other / path.name).read_bytes(), path.name
 
 
 def test_the_page_has_the_figure_and_the_tables_of_the_sweep(tmp_path):
-    _, out = write_speeds(tmp_path, "one")
-    settings = sweep_section()["evaluation"]
+    _, _, out = report_speeds(tmp_path)
+    settings = to_dict(sweep())
     settings.pop("profile")  # as the pipeline does with what a protocol does not use
-    folders = [tmp_path / "one" / name for name in ("a", "b")]
-    inputs = {"sweep": [out], "sweep.evaluations": folders}
+    inputs = {"sweep": [out], "sweep.evaluations": [tmp_path / "0", tmp_path / "1"]}
     given = sources(inputs, configuration={"protocols": {"sweep": settings}}, labels=LABELS)
     section = content("sweep", given)
     assert pick(section, Picture)[0].path == out / "sweep.svg"

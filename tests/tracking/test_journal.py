@@ -38,6 +38,11 @@ def start(artefacts: Path, owner: int) -> Path:
     return tracking.start(artefacts, info, RUN).folder
 
 
+def finish(artefacts: Path, folder: Path) -> None:
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    follow(artefacts, folder.name)
+
+
 def runs(artefacts: Path, name: str = "slider"):
     client = MlflowClient(f"sqlite:///{artefacts / 'mlflow.db'}")
     experiment = client.get_experiment_by_name(name)
@@ -88,8 +93,7 @@ def test_many_runs_stand_in_an_experiment_of_their_own(artefacts):
         job = JournalTracker(folder / f"{stage}-1.jsonl")
         job.begin(name, {"stage": stage}, needs)
         job.end(FINISHED, {}, "Result.")
-    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
-    follow(artefacts, folder.name)
+    finish(artefacts, folder)
     client, found = runs(artefacts)
     assert set(found) == {"pipeline", "gait library"}
     apart = runs(artefacts, "slider-gaits")[1]
@@ -111,8 +115,7 @@ def test_runs_of_a_killed_pipeline_end_as_failed_with_the_next(artefacts):
     (killed / "walking-1.jsonl").open("a").write('{"event": "metr')  # cut short
     killed = killed.rename(killed.with_name("20000101T000000-1"))
     folder = start(artefacts, os.getpid())
-    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
-    follow(artefacts, folder.name)
+    finish(artefacts, folder)
     client, found = runs(artefacts)
     assert found["walking"].info.status == FAILED
     pipelines = client.search_runs(["1"], "attributes.run_name = 'pipeline'")
@@ -126,8 +129,7 @@ def test_unreadable_sessions_do_not_hold_up_the_next(artefacts):
         session.mkdir(parents=True)
         (session / "session.json").write_bytes(content)
     folder = start(artefacts, os.getpid())
-    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
-    follow(artefacts, folder.name)
+    finish(artefacts, folder)
     assert runs(artefacts)[1]["pipeline"].info.status == FINISHED
     assert not any(session.exists() for session in broken)
 

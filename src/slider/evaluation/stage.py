@@ -55,10 +55,14 @@ class Protocol:
         return self.config.trials * self.config.robots
 
     @property
-    def disturbance(self) -> Disturbance:
+    def seeds(self) -> range:
         """Trial k draws from seed + k, whatever the controller or command."""
-        seeds = range(self.config.seed, self.config.seed + self.config.trials)
-        return Disturbance(self.config.disturbance, tuple(seeds))
+        return range(self.config.seed, self.config.seed + self.config.trials)
+
+    @property
+    def disturbance(self) -> Disturbance:
+        """Those of all trials."""
+        return Disturbance(self.config.disturbance, tuple(self.seeds))
 
 
 @dataclass(frozen=True)
@@ -91,13 +95,19 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
 
     In a case of a profile also the records and traces of its segments.
     """
-    config = protocol.config
+    config, case = protocol.config, protocol.case
+    speeds = [protocol.speed or 0.0]
+    start, command = at_speeds(protocol.robot, config.start, protocol.seeds, config.robots, speeds)
+    if case is not None:
+        ramp, period = profile_of(config).ramp, simulated.env.control_period
+        values = segments.velocities(case, ramp, config.duration, period)
+        command = np.repeat(values[:, None], protocol.count, axis=1)
     recording = roll_out(
         simulated.controller,
         simulated.physics,
         simulated.env,
-        _starts(protocol.robot, config),
-        _velocities(protocol, simulated.env.control_period),
+        start,
+        command,
         config.duration,
         lambda share: job.progress(f"{100 * share:.0f} %"),
     )
@@ -110,35 +120,15 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
         config.trials, config.robots, tracked, quality, errors, recording.diverged
     )
     evaluation = Evaluation(protocol.controller, protocol.speed, robots, _traces(recording))
-    if protocol.case is not None:
+    if case is not None:
         evaluation = replace(
             evaluation,
-            case=protocol.case.name,
-            segments=tuple(segments.measure(recording, config, protocol.case)),
+            case=case.name,
+            segments=tuple(segments.measure(recording, config, case)),
             traces=segments.traces(recording, config),
         )
     evaluation.save(out)
     return _summary(evaluation)
-
-
-def _velocities(protocol: Protocol, period: float) -> np.ndarray:
-    """Commanded velocities (N, 3), or (S, N, 3) in a case."""
-    if protocol.case is not None:
-        ramp = profile_of(protocol.config).ramp
-        values = segments.velocities(protocol.case, ramp, protocol.config.duration, period)
-        return np.repeat(values[:, None], protocol.count, axis=1)
-    velocities = np.zeros((protocol.count, 3))
-    velocities[:, 0] = protocol.speed
-    return velocities
-
-
-def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, np.ndarray]:
-    """Starts of all robots; trial k draws from seed + k, whatever the controller or command."""
-    starts = [
-        at_rest(robot, config.start, np.random.default_rng(config.seed + trial), config.robots)
-        for trial in range(config.trials)
-    ]
-    return np.concatenate([s[0] for s in starts]), np.concatenate([s[1] for s in starts])
 
 
 def at_speeds(

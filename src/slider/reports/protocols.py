@@ -7,12 +7,13 @@ A protocol is of constant speeds (``sweep``), of segments of one case (``joystic
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from slider.config.convert import from_dict
-from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.evaluation import EvaluationConfig, Segment
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
@@ -20,7 +21,7 @@ from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
 from slider.reports import rows as tables
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES, Quantity, speed_text
+from slider.reports.quantities import QUANTITIES, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 from slider.reports.table1 import comparisons
@@ -128,21 +129,17 @@ def _all_fell(one: Evaluation) -> bool:
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md`` and ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
-    rows = protocol_rows(evaluations, protocol)
+    evaluations, kind = (
+        tables.evaluations(inputs["evaluations"], section["labels"]),
+        _kind(protocol),
+    )
+    rows = list(kind.rows(evaluations, protocol))
     shown = list(blocks(name, out / f"{name}.svg", evaluations, protocol))
-    kind = protocol.profile.rows if protocol.profile else ""
-    if kind == "segments":
-        (case,) = profile_of(protocol).cases
-        draw = partial(walking.draw_segments, evaluations, case, protocol.duration)
-        title = "Changing commands"
-    elif kind == "cases":
-        draw, title = partial(walking.draw_cases, rows), "Cases"
-    else:
-        draw, title = partial(walking.draw_speeds, rows), "Mean speed over the commanded speed"
-    _write(out / name, (title, section["robot"]), rows, draw, shown, job)
-    if kind:
-        pick = min if kind == "cases" else lambda rates: rates[-1]  # of all cases, or at the end
+    draw = partial(kind.draw, rows, evaluations, protocol)
+    _write(out / name, (kind.title, section["robot"]), rows, draw, shown, job)
+    if protocol.profile is not None:
+        # Of all cases, or at the end.
+        pick = min if protocol.profile.rows == "cases" else lambda rates: rates[-1]
         groups = by(rows, "controller").items()
         rates = {who: pick([row["success_rate"] for row in mine]) for who, mine in groups}
         return {"rows": len(rows), "success_rate": rates}
@@ -169,44 +166,42 @@ def _write(
     job.tracker.log_file(stem.with_suffix(".svg"))
 
 
-def protocol_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> list[Row]:
-    """Rows of a protocol's table: per controller and speed, segment or case."""
-    if protocol.profile is None:
-        return [_speed_row(one) for one in evaluations]
-    cases = {case.name: case for case in protocol.profile.cases}
-    if protocol.profile.rows == "cases":
-        return [_case_row(one, cases[str(one.case)], protocol.duration) for one in evaluations]
-    (case,) = cases.values()
-    return [row for one in evaluations for row in _segment_rows(one, case)]
-
-
 def blocks(
     name: str, svg: Path, evaluations: Sequence[Evaluation], protocol: EvaluationConfig
 ) -> Iterator[Written]:
     """The figure of a protocol, its explanation and its tables."""
-    rows, profile = protocol_rows(evaluations, protocol), protocol.profile
-    kind = profile.rows if profile else ""
-    captions = {"": _SPEEDS_CAPTION, "segments": _SEGMENTS_CAPTION, "cases": _CASES_CAPTION}
+    kind, profile = _kind(protocol), protocol.profile
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
     if profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
     yield Picture(svg)
-    yield Text(captions[kind].format(**vars(protocol), **values))
-    if kind == "cases":
-        yield from case_tables(rows)
-    elif kind == "segments":
-        yield from _segment_tables(rows)
-    else:
-        yield highest_table(rows)
-        yield _mean_speeds(rows)
-        yield from comparisons(rows)
+    yield Text(kind.caption.format(**vars(protocol), **values))
+    yield from kind.tables(list(kind.rows(evaluations, protocol)))
 
 
-def _speed_row(evaluation: Evaluation) -> Row:
-    """A row of Table 1, how the robots walk, and the spread of their mean speeds."""
-    speeds = evaluation.robots.survivors("mean_velocity")
-    between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else NAN}
-    return tables.table_row(evaluation) | tables.quality_row(evaluation) | between
+def _speed_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
+    """Rows of Table 1, how the robots walk, and the spread of their mean speeds."""
+    for one in evaluations:
+        speeds = one.robots.survivors("mean_velocity")
+        between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else NAN}
+        yield tables.table_row(one) | tables.quality_row(one) | between
+
+
+def _speed_tables(rows: Sequence[Row]) -> Iterator[Table]:
+    """What is tracked, mean speeds with their spread between robots, and the metrics."""
+    yield highest_table(rows)
+    cells = {}
+    for row in rows:
+        mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
+        text = f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}"  # no -0.000
+        cells[row["label"], row["speed"]] = Cell(text, mean) if mean == mean else Cell("–")
+    labels = list(by(rows, "label"))
+    body = [
+        [Cell(speed_text(value), value), *(cells[name, value] for name in labels)]
+        for value in distinct(rows, "speed")
+    ]
+    yield Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
+    yield from comparisons(rows)
 
 
 def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
@@ -233,31 +228,18 @@ def highest_table(rows: Sequence[Row]) -> Table:
     return Table(heads, [[Cell(text) for text in line] for line in body])
 
 
-def _mean_speeds(rows: Sequence[Row]) -> Table:
-    """Mean speed and its spread between robots: speeds down, controllers across."""
-    cells = {(row["label"], row["speed"]): _mean_speed(row) for row in rows}
-    labels = list(by(rows, "label"))
-    body = [
-        [Cell(speed_text(value), value), *(cells[name, value] for name in labels)]
-        for value in distinct(rows, "speed")
-    ]
-    return Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
-
-
-def _mean_speed(row: Row) -> Cell:
-    mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
-    if mean != mean:
-        return Cell("–")
-    return Cell(f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}", mean)  # no -0.000
-
-
-def _segment_rows(one: Evaluation, case: CaseConfig) -> Iterator[Row]:
+def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
     """A row per segment: means over the robots that are up at its end."""
-    for segment, robots in zip(case.segments, one.segments, strict=True):
-        row = tables.named(one) | {"segment": segment.name, "time": segment.time}
-        velocity = zip(AXES, velocity_of(segment), strict=True)
-        row |= {f"{axis}_command": value for axis, value in velocity}
-        yield row | tables.success(robots) | {name: robots.mean(name) for name in MEASURES}
+    (case,) = profile_of(protocol).cases
+    for one in evaluations:
+        for segment, robots in zip(case.segments, one.segments, strict=True):
+            row = tables.named(one) | {"segment": segment.name, "time": segment.time}
+            row |= _commands(segment) | tables.success(robots)
+            yield row | {name: robots.mean(name) for name in MEASURES}
+
+
+def _commands(segment: Segment) -> Row:
+    return {f"{axis}_command": v for axis, v in zip(AXES, velocity_of(segment), strict=True)}
 
 
 def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:
@@ -274,18 +256,20 @@ def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:
         yield Table(heads, body, label)
 
 
-def _case_row(evaluation: Evaluation, case: CaseConfig, seconds: float) -> Row:
+def _case_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
     """Success, and what survivors did in the settled last segment; NaN where none survived.
 
     ``vx_before`` is the command before the last one [m/s], if there was another.
     """
-    last, velocity = evaluation.segments[-1], velocity_of(case.segments[-1])
-    before = case.segments[-2].vx if len(case.segments) > 1 else NAN
-    row = tables.named(evaluation) | {"case": case.name, "seconds": seconds}
-    row |= {"vx_before": before}
-    row |= {f"{axis}_command": value for axis, value in zip(AXES, velocity, strict=True)}
-    row |= tables.success(last) | {name: last.mean(measure) for name, measure in MEANS.items()}
-    return row | (dict.fromkeys(STOPPED, NAN) if any(velocity) else _standing(last))
+    cases = {case.name: case for case in profile_of(protocol).cases}
+    for one in evaluations:
+        *others, final = cases[str(one.case)].segments
+        last, commands = one.segments[-1], _commands(final)
+        row = tables.named(one) | {"case": one.case, "seconds": protocol.duration}
+        row |= {"vx_before": others[-1].vx if others else NAN} | commands | tables.success(last)
+        row |= {name: last.mean(measure) for name, measure in MEANS.items()}
+        stops = not any(commands.values())
+        yield row | (_standing(last) if stops else dict.fromkeys(STOPPED, NAN))
 
 
 def _standing(robots: Robots) -> Row:
@@ -302,55 +286,79 @@ def _standing(robots: Robots) -> Row:
     return dict(zip(STOPPED, values, strict=True))
 
 
-def case_tables(rows: Sequence[Row]) -> Iterator[Table]:
+def _case_tables(rows: Sequence[Row]) -> Iterator[Table]:
     """Of each controller constant speeds, standing and sideways, without empty tables."""
     for label, mine in by(rows, "label").items():
-        for title, chosen, columns in _CASE_KINDS:
-            shown = [row for row in mine if chosen(row)]
-            if shown:
-                yield _case_table(f"{title}, {label}", shown, ("success_rate", *columns))
+        for title, columns in _CASE_COLUMNS.items():
+            names = ("success_rate", *columns)
+            body = [
+                [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
+                + [_case_cell(row, name) for name in names]
+                for row in mine
+                if _case_title(row) == title
+            ]
+            heads = [QUANTITIES[MEANS.get(name, name)].heading for name in names]
+            if body:
+                yield Table(["case", "time [s]", *heads], body, f"{title}, {label}")
 
 
-def _case_table(title: str, rows: list[Row], names: Sequence[str]) -> Table:
-    heads = ["case", "time [s]", *(_quantity(name).heading for name in names)]
-    body = [
-        [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
-        + [_case_cell(row, name) for name in names]
-        for row in rows
-    ]
-    return Table(heads, body, title)
+def _case_title(row: Row) -> str:
+    if row["vy_command"] != 0:
+        return "Sideways"
+    return _CONSTANT if np.isnan(row["standing_rate"]) else _STANDS
 
 
 def _case_cell(row: Row, name: str) -> Cell:
-    quantity, ends = _quantity(name), name.removesuffix("_rate")
-    if not name.endswith("_rate"):
+    quantity, ends = QUANTITIES[MEANS.get(name, name)], name.removesuffix("_rate")
+    if ends == name:
         return Cell.of(quantity, row[name])
     return Cell(quantity.between(row[name], row[f"{ends}_low"], row[f"{ends}_high"]), row[name])
 
 
-def _quantity(name: str) -> Quantity:
-    return QUANTITIES[MEANS.get(name, name)]
+_CONSTANT, _STANDS = "Constant speeds", f"Standing (slower than {STANDING:g} m/s)"
+_CASE_COLUMNS = {
+    _CONSTANT: ("vx", "vy", "mse_steady", "heading_error"),
+    _STANDS: ("standing_rate", "fastest", "drift", "drift_max", "vx", "vy", "mse_steady"),
+    "Sideways": ("vy", "vy_error", "vx", "mse_steady"),
+}
 
 
-def _stands(row: Row) -> bool:
-    return not np.isnan(row["standing_rate"])
+class _Kind(NamedTuple):
+    """A kind of protocols: its rows from evaluations, and what shows them."""
+
+    title: str
+    caption: str
+    rows: Callable[[Sequence[Evaluation], EvaluationConfig], Iterable[Row]]
+    draw: Callable[[list[Row], Sequence[Evaluation], EvaluationConfig], Figure]
+    tables: Callable[[list[Row]], Iterable[Table]]
 
 
-def _sideways(row: Row) -> bool:
-    return row["vy_command"] != 0
+def _kind(protocol: EvaluationConfig) -> _Kind:
+    return _KINDS[protocol.profile.rows if protocol.profile else "speeds"]
 
 
-# Title, which cases, their columns beside those of all.
-_CASE_KINDS: tuple[tuple[str, Callable[[Row], bool], tuple[str, ...]], ...] = (
-    (
-        "Constant speeds",
-        lambda row: not _sideways(row) and not _stands(row),
-        ("vx", "vy", "mse_steady", "heading_error"),
+_KINDS = {
+    "speeds": _Kind(
+        "Mean speed over the commanded speed",
+        _SPEEDS_CAPTION,
+        _speed_rows,
+        lambda rows, evaluations, protocol: walking.draw_speeds(rows),
+        _speed_tables,
     ),
-    (
-        f"Standing (slower than {STANDING:g} m/s)",
-        _stands,
-        ("standing_rate", "fastest", "drift", "drift_max", "vx", "vy", "mse_steady"),
+    "segments": _Kind(
+        "Changing commands",
+        _SEGMENTS_CAPTION,
+        _segment_rows,
+        lambda rows, evaluations, protocol: walking.draw_segments(
+            evaluations, profile_of(protocol).cases[0], protocol.duration
+        ),
+        _segment_tables,
     ),
-    ("Sideways", _sideways, ("vy", "vy_error", "vx", "mse_steady")),
-)
+    "cases": _Kind(
+        "Cases",
+        _CASES_CAPTION,
+        _case_rows,
+        lambda rows, evaluations, protocol: walking.draw_cases(rows),
+        _case_tables,
+    ),
+}

@@ -18,20 +18,9 @@ from slider.reports.rows import NAN, Row
 from slider.reports.table import Cell, Heading, Table, Text, Written, document, escape
 
 COLUMNS = (
-    "controller",
-    "label",
-    "source",
-    "speed",
-    "success_rate",
-    "success_rate_std",
-    "success_low",
-    "success_high",
-    "mse",
-    "mse_std",
-    "mse_steady",
-    "mse_steady_std",
-    "tracking_rate",
-    "tracking_rate_std",
+    *("controller", "label", "source", "speed"),
+    *("success_rate", "success_rate_std", "success_low", "success_high"),
+    *(name + end for name in ("mse", "mse_steady", "tracking_rate") for end in ("", "_std")),
 )
 METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "tracking_rate": ""}
 """Column of the table → that of the paper's rows.
@@ -59,9 +48,9 @@ _CAPTION = (
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
-    ours, quality = _measured(evaluations, inputs.get("library", ()))
-    rows = ours + paper_rows()
+    rows = table_rows(evaluations)
     tables.write(rows, out / "table1.csv", COLUMNS)
+    quality = _quality_rows(evaluations, inputs.get("library", ()))
     tables.write(quality, out / "gait_quality.csv")
     compared = comparisons(rows)
     text = document("Table 1", section["robot"], [Text(_CAPTION), *compared])
@@ -70,7 +59,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")
     job.tracker.log_file(out / "table1.csv")
-    job.tracker.log_metrics(_metrics(ours), 0)
+    ours = rows[: len(evaluations)]
+    metrics = {
+        f"{name}/{one['controller']}/{one['speed']}": one[name] for one in ours for name in METRICS
+    }
+    job.tracker.log_metrics({k: value for k, value in metrics.items() if np.isfinite(value)}, 0)
     return {"rows": len(ours)}
 
 
@@ -78,13 +71,12 @@ def blocks(
     evaluations: Sequence[Evaluation], library: Sequence[Path], protocol: Mapping[str, Any]
 ) -> Iterator[Written]:
     """On the page: a table per metric, and one per controller about the quality of its gait."""
-    ours, quality = _measured(evaluations, library)
     last = protocol["seed"] + protocol["trials"] - 1
     yield Text(_PROTOCOL.format(last=last, **protocol) + _CAPTION)
-    yield from comparisons(ours + paper_rows())
+    yield from comparisons(table_rows(evaluations))
     yield Heading("How it walks")
     yield Text(_QUALITY)
-    yield from quality_tables(quality)
+    yield from quality_tables(_quality_rows(evaluations, library))
 
 
 def table_rows(evaluations: Sequence[Evaluation]) -> list[Row]:
@@ -92,21 +84,9 @@ def table_rows(evaluations: Sequence[Evaluation]) -> list[Row]:
     return [tables.table_row(one) for one in evaluations] + paper_rows()
 
 
-def _measured(
-    evaluations: Sequence[Evaluation], library: Sequence[Path]
-) -> tuple[list[Row], list[Row]]:
-    """Rows of Table 1, and of the quality of the gaits."""
+def _quality_rows(evaluations: Sequence[Evaluation], library: Sequence[Path]) -> list[Row]:
     reference = tables.reference_gaits(library)
-    quality = [tables.with_reference(tables.quality_row(one), reference) for one in evaluations]
-    return [tables.table_row(one) for one in evaluations], quality
-
-
-def _metrics(rows: list[Row]) -> dict[str, float]:
-    """The whole table as metrics of one run, such as ``success_rate/policy/1.2``."""
-    metrics = {
-        f"{name}/{row['controller']}/{row['speed']}": row[name] for row in rows for name in METRICS
-    }
-    return {name: value for name, value in metrics.items() if np.isfinite(value)}
+    return [tables.with_reference(tables.quality_row(one), reference) for one in evaluations]
 
 
 def paper_rows() -> list[Row]:
@@ -116,19 +96,20 @@ def paper_rows() -> list[Row]:
     return [dict.fromkeys(COLUMNS, NAN) | row | {"source": PAPER} for row in printed]
 
 
-def _estimated(rows: list[Row]) -> bool:
-    """Whether the controller receives anything but the true state."""
-    return any(row[name] > 0 for row in rows for name in ERRORS)
-
-
 def quality_tables(rows: list[Row]) -> Iterator[Table]:
-    """A table per controller, quantities down, commands across."""
+    """A table per controller, quantities down, commands across.
+
+    Errors of the estimate are left out of a controller that receives the true state.
+    """
     for label, mine in tables.by(rows, "label").items():
+        hidden = {*tables.NAMED, "speed"}
+        if not any(row.get(name, 0.0) > 0 for row in mine for name in ERRORS):
+            hidden |= set(ERRORS)
         heads = ["at a command of [m/s]", *(speed_text(row["speed"]) for row in mine)]
         body = [
             [Cell(quantity(name).heading), *(Cell.of(quantity(name), row[name]) for row in mine)]
             for name in mine[0]
-            if name not in (*tables.NAMED, "speed") and (name not in ERRORS or _estimated(mine))
+            if name not in hidden
         ]
         yield Table(heads, body, label)
 
@@ -163,24 +144,22 @@ def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
     lose more robots than any.
     """
     share = QUANTITIES[name].share
-    success = [row["success_rate"] if row else 0.0 for row in rows]
-    success = [0.0 if math.isnan(value) else value for value in success]
+    success = np.nan_to_num([row["success_rate"] if row else 0.0 for row in rows]).tolist()
     enough = 0.0 if share else max(success) - _COMPARABLE
-    values = [_value(row, name) for row in rows]
+    printed = {PAPER: METRICS[name]}
+    values = [row[printed.get(row["source"], name)] if row else math.nan for row in rows]
     fair = [v == v and s >= enough for v, s in zip(values, success, strict=True)]
     candidates = [value for value, one in zip(values, fair, strict=True) if one]
     best = (max if share else min)(candidates, default=math.nan)
-    alone = len(rows) == 1
+    cells = [_cell(row, value, name) for row, value in zip(rows, values, strict=True)]
+    if len(rows) == 1 or not math.isfinite(best):
+        return cells
+    digits = 3 if share else decimals(best)
+    best = round(best, digits)
     return [
-        replace(_cell(row, value, name), best=one and not alone and _same(value, best, share))
-        for row, value, one in zip(rows, values, fair, strict=True)
+        replace(cell, best=one and round(value, digits) == best)
+        for cell, value, one in zip(cells, values, fair, strict=True)
     ]
-
-
-def _value(row: Row | None, name: str) -> float:
-    if row is None:
-        return math.nan
-    return row[METRICS[name] if row["source"] == PAPER else name]
 
 
 def _cell(row: Row | None, value: float, name: str) -> Cell:
@@ -199,10 +178,3 @@ def _cell(row: Row | None, value: float, name: str) -> Cell:
     if name == "success_rate" and not math.isnan(row["success_low"]):
         text += f" [{100 * row['success_low']:.1f}, {100 * row['success_high']:.1f}]"
     return Cell(text, value)
-
-
-def _same(value: float, best: float, share: bool) -> bool:
-    if not math.isfinite(best):
-        return False
-    digits = 3 if share else decimals(best)
-    return round(value, digits) == round(best, digits)

@@ -1,9 +1,9 @@
 """Maps and basins show the numbers of their tables, gait by gait, and repeat themselves."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slider.core.errors import UserError
@@ -54,21 +54,18 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     return {"library": [store], "stability": [folder], "basins": [basin]}
 
 
-def drawn(inputs: dict[str, list[Path]], out: Path) -> dict[str, bytes]:
+def drawn(run, inputs: dict[str, list[Path]], out: Path) -> dict[str, bytes]:
     out.mkdir()
-    run_stability({}, inputs, out, Job(out))
+    run({}, inputs, out, Job(out))
     return {path.name: path.read_bytes() for path in out.iterdir()}
 
 
-def test_draws_and_repeats_itself(inputs, tmp_path):
-    first = drawn(inputs, tmp_path / "one")
-    assert first == drawn(inputs, tmp_path / "two")
-    assert set(first) == set(STABILITY_FILES)
-
-
-def test_a_library_without_gaits_of_the_basins_has_empty_pictures(inputs, tmp_path):
+def test_stability_repeats_itself_and_is_drawn_without_basins(inputs, tmp_path):
+    first = drawn(run_stability, inputs, tmp_path / "one")
+    assert first == drawn(run_stability, inputs, tmp_path / "two")
     without = {name: inputs[name] for name in ("library", "stability")}
-    assert set(drawn(without, tmp_path / "none")) == set(STABILITY_FILES)
+    empty = drawn(run_stability, without, tmp_path / "none")
+    assert set(first) == set(empty) == set(STABILITY_FILES)
 
 
 def test_a_basin_is_read_as_it_was_written(inputs):
@@ -85,14 +82,10 @@ CHECKED = [(0.0, -0.1, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]
 def table(folder: Path, gaits: list[tuple[float, float, float]]) -> Path:
     """Values that tell gait and quantity: 100 · row + column; one does not apply."""
     folder.mkdir()
-    with (folder / TABLE).open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["vx", "vy", "yaw_rate", *CHECKS, "failed"])
-        for k, command in enumerate(gaits):
-            values = [100 * k + i + 1 for i in range(len(CHECKS))]
-            blank = list(CHECKS).index("regulated_steps")
-            row = [*values[:blank], "" if k == 2 else values[blank], *values[blank + 1 :]]
-            writer.writerow([*command, *row, ""])
+    values = 100.0 * np.arange(len(gaits))[:, None] + np.arange(len(CHECKS)) + 1
+    rows = pd.DataFrame(np.hstack([gaits, values]), columns=[*VELOCITY, *CHECKS])
+    rows.loc[2:, "regulated_steps"] = np.nan
+    rows.assign(failed="").to_csv(folder / TABLE, index=False)
     return folder
 
 
@@ -114,15 +107,10 @@ def test_values_belong_to_their_gaits(store, tmp_path):
 
 
 def test_maps_of_the_verification_repeat_themselves(store, tmp_path):
-    checked = table(tmp_path / "checked", CHECKED)
-    files = []
-    for name in ("one", "two"):
-        out = tmp_path / name
-        out.mkdir()
-        run_verification({}, {"library": [store], "verification": [checked]}, out, Job(out))
-        files.append({path.name: path.read_bytes() for path in out.iterdir()})
-    assert files[0] == files[1]
-    assert set(files[0]) == {f"{NAME}.{suffix}" for suffix in ("svg", "md")}
+    inputs = {"library": [store], "verification": [table(tmp_path / "checked", CHECKED)]}
+    first = drawn(run_verification, inputs, tmp_path / "one")
+    assert first == drawn(run_verification, inputs, tmp_path / "two")
+    assert set(first) == {f"{NAME}.{suffix}" for suffix in ("svg", "md")}
 
 
 def test_a_gait_without_checks_is_refused(store, tmp_path):

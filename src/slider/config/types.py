@@ -34,7 +34,7 @@ def Unit(text: str) -> Any:
 
 @plain_dataclass(frozen=True)
 class Rule:
-    """What else must hold of a value, in words and as a test; ``names`` of a group that it joins."""
+    """What else must hold of a value: words, test, and which ``names`` of a group it compares."""
 
     text: str
     holds: Callable[[Any], object]

@@ -40,6 +40,10 @@ def test_every_option_composes(option):
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         (
+            "control.mpc_wbc_literal.step.time_per_speed=0.1",
+            "expected +control.mpc_wbc_literal.step",
+        ),
+        (
             "train.walking.reward.terms.heding.weight=1",
             "did you mean 'train.walking.reward.terms.heading.weight'? A new name needs a + in",
         ),

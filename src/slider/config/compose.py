@@ -189,6 +189,8 @@ def _unknown(key: str, conf: Path) -> str:
         if part not in items:
             break
         node, place = items[part], f"{place}{part}."
+    if key in keys:
+        return f"expected +{key}, found {key}: its default is not in a file of {conf.name}/"
     new = isinstance(node, dict)
     keys = [name for name in keys if name.startswith(place)] if new else keys
     same_leaf = [name for name in keys if name.rpartition(".")[2] == leaf]

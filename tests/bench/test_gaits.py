@@ -18,4 +18,4 @@ def test_a_measurement_is_of_real_solves():
 
 def test_impossible_nodes_are_one_line(capsys):
     assert main(["benchmark-gaits", "--nodes", "4"]) == 1
-    assert "gait.nodes: expected an odd number" in capsys.readouterr().err
+    assert "gait.nodes: expected greater than or equal to 5, found 4" in capsys.readouterr().err

@@ -152,7 +152,8 @@ def is_clear(place: Place, text: str) -> bool:
     found, separator, _ = text.partition(": expected ")
     names = [index for index, part in enumerate(place) if isinstance(part, str)]
     around = key(place[: names[-2] + 1 if len(names) > 1 else 1])  # of an item, that of its list
-    names = found == key(place) or (found.startswith(around) and key(place).startswith(found))
+    own = found == key(place) or found.startswith(f"{key(place)}[")  # or an item that a list lacks
+    names = own or (found.startswith(around) and key(place).startswith(found))
     return bool(separator) and "\n" not in text and names
 
 

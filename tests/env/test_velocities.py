@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from slider.config.train import CurriculumConfig, Interval, VelocitiesConfig
+from slider.config.train import CurriculumConfig, VelocitiesConfig
+from slider.config.types import Interval
 from slider.env.interface import FLOAT64
 from slider.env.velocities import Curriculum, Random, VelocitySampler
 

@@ -160,7 +160,7 @@ def test_between_nodes_the_constraints_nearly_hold():
     violations = dense_violations(problem(), solved(*VELOCITY).variables)
     assert violations["clearance"] < 8e-4  # the nodes leave a margin below; nothing above
     assert violations["motor_torque"] == violations["motor_voltage"] == 0.0
-    assert 0.1 < violations["foot_line_moment"] < 1.0
+    assert 0.1 < violations["foot_line_moment"] < 1.5
     assert violations["torso"] < 1e-3
 
 

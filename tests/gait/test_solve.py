@@ -46,7 +46,7 @@ def test_collocation_costs_less_than_polynomials():
     free = solver.solve(*VELOCITY)
     assert free.success, free.status
     assert free.max_violation <= 1e-6
-    assert 0.1 < free.cost / solved(*VELOCITY).cost < 0.4
+    assert 0.2 < free.cost / solved(*VELOCITY).cost < 0.4
     fitted, error = coefficients(solver.problem, free.variables)
     assert fitted.shape == (2, 10, config().gait.degree + 1)
     assert 0.01 < error < 0.1
@@ -158,9 +158,9 @@ def test_weaker_motors_and_a_lower_voltage_reach_their_bounds():
 
 def test_between_nodes_the_constraints_nearly_hold():
     violations = dense_violations(problem(), solved(*VELOCITY).variables)
-    assert violations["clearance"] < 8e-4  # the nodes leave a margin below; nothing above
+    assert violations["clearance"] < 4e-4  # the nodes leave a margin below; nothing above
     assert violations["motor_torque"] == violations["motor_voltage"] == 0.0
-    assert 0.1 < violations["foot_line_moment"] < 1.5
+    assert 0.1 < violations["foot_line_moment"] < 1.0
     assert violations["torso"] < 1e-3
 
 

@@ -11,6 +11,7 @@ from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
 from tests import shared
+from tests.gait.gaits import STEP_TIME
 from tests.library.gaits import CONF
 
 Velocity = tuple[float, float, float]
@@ -18,7 +19,7 @@ Velocity = tuple[float, float, float]
 
 @cache
 def config(dynamics: str) -> Config:
-    return compose([f"gait.dynamics={dynamics}"], CONF)
+    return compose([STEP_TIME, f"gait.dynamics={dynamics}"], CONF)
 
 
 @shared.shared

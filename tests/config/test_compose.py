@@ -128,11 +128,11 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
 
 
 def test_a_fine_tuning_has_the_values_of_the_walking_training():
-    overrides = ["train.walking.seed=3", "finetuning.reward.terms.heading.weight=0.7"]
+    overrides = ["train.walking.seed=4", "finetuning.reward.terms.heading.weight=0.7"]
     config = compose(["experiment=turning", "finetuning=robust", *overrides], CONF)
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
-    assert (tuning.seed, tuning.velocities) == (3, walking.velocities)
+    assert (tuning.seed, tuning.velocities) == (4, walking.velocities)
     assert tuning.selection.speeds == walking.selection.speeds
     assert tuning.reward.terms.pop("heading").weight == 0.7
     walking.reward.terms.pop("heading")

@@ -116,13 +116,14 @@ class Workspace:
         )
 
     def wait_for_job(self, stage: str) -> int:
-        """Process of the job of a stage, as soon as it computes."""
+        """Process of the job of a stage, in this folder, as soon as it computes."""
         deadline = time.monotonic() + 120
         while time.monotonic() < deadline:
             recipes = {path.name for path in (self.artefacts / "work" / stage).glob("*")}
             for path in Path("/proc").glob("[0-9]*/cmdline"):
                 words = _words(path)
-                if words[0].endswith("python") and recipes & set(words):
+                matches = words[0].endswith("python") and recipes & set(words)
+                if matches and path.with_name("cwd").resolve().is_relative_to(self.folder):
                     return int(path.parent.name)
             time.sleep(0.1)  # a look at all processes is not free
         raise AssertionError(f"no job of stage {stage} appeared")

@@ -10,7 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from pipeline.stages import all_jobs
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import STAGES, compared
 from pipeline.stages.evaluation import baseline_tuning, gauge_job
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
@@ -18,11 +18,8 @@ from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 from slider.config.schema import Config, StudyConfig
-from slider.control import EXPORT_FILES as POLICY_FILES
 from slider.core import files
 from slider.core.errors import require
-from slider.reports.figures import FILES as FIGURES
-from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
@@ -63,7 +60,7 @@ def _check_names(config: Config) -> None:
     apart = {*PROTOCOLS, *config.study}
     shown = (s.needs for name, s in SECTIONS.items() if name not in apart)
     needed = {need.removesuffix(OPTIONAL).partition(".")[0] for needs in shown for need in needs}
-    taken = {*_files(), *ENTRIES, *RULES, *needed, *chain(*_files().values())}
+    taken = {*STAGES, *RULES, *needed, *chain(*(stage.files for stage in STAGES.values()))}
     added = [*(("study", name) for name in config.study)]
     added += [("protocols", name) for name in config.protocols]
     for group, name in added:
@@ -74,37 +71,16 @@ def _check_names(config: Config) -> None:
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     """What people read of each target below the working directory: copies out of the store."""
-    files = _files() | {name: _compared(name) for name in config.protocols}
+    files = {name: stage.files for name, stage in STAGES.items() if stage.files}
+    files |= {name: compared(name) for name in config.protocols}
     files |= {name: _studied(name, study) for name, study in config.study.items()}
     return {name: tuple(f"reports/{file}" for file in own) for name, own in files.items()}
-
-
-def _files() -> dict[str, tuple[str, ...]]:
-    """Those of every target but protocols and studies, below ``reports/``."""
-    return {
-        "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
-        **{name: _compared(name) for name in ("velocity_tracking", "baseline_tuning")},
-        "gauge": (*_compared("gauge"), "gauge_cells.csv"),
-        "report": ("index.html",),
-        "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),
-        "figures": tuple(f"figures/{name}" for name in FIGURES),
-        "verification": ("verification.csv", "verification.json", "verification.md"),
-        "stability": ("stability.csv", "stability.md"),
-        "stability_figures": tuple(f"figures/{name}" for name in STABILITY_FILES),
-        "gait_walks": ("gait_walks.csv", "gait_walks.md"),
-        "verification_maps": tuple(f"figures/verification_maps.{end}" for end in ("svg", "md")),
-    }
-
-
-def _compared(name: str) -> tuple[str, ...]:
-    """Table and figure with the name of their target."""
-    return f"{name}.csv", f"{name}.md", f"figures/{name}.svg"
 
 
 def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     """Files of a study; learning curves where it trains, by default all that there can be."""
     curves = (f"{name}_curves.csv",) if study is None or study.training else ()
-    return (*_compared(name), f"{name}_runs.csv", *curves)
+    return (*compared(name), f"{name}_runs.csv", *curves)
 
 
 def marker_path(store: Store, target: str) -> Path:

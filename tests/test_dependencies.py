@@ -12,7 +12,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from pipeline.stages import table1_jobs
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import STAGES
 from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import closure, distribution
 from slider.config.compose import compose
@@ -66,7 +66,7 @@ def test_table_1_needs_no_extra():
     stages = {
         job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
     }
-    modules = [ENTRIES[stage].partition(":")[0] for stage in stages]
+    modules = [STAGES[stage].entry.partition(":")[0] for stage in stages]
     used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
     assert {"torch", "casadi", "snakemake"} <= used
     assert {name for name in used if not providers(name) & names(REQUIRED)} == set()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import STAGES
 from slider.artefacts.recipe import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -91,9 +91,9 @@ def takes_the_encoding_of_the_locale(call: ast.Call) -> bool:
     )
 
 
-@pytest.mark.parametrize("stage", ENTRIES)
+@pytest.mark.parametrize("stage", STAGES)
 def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(stage):
-    found = closure(ENTRIES[stage].partition(":")[0], SOURCE)
+    found = closure(STAGES[stage].entry.partition(":")[0], SOURCE)
     assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
     assert stage != "gait" or "torch" not in found.third_party
     assert not {"slider.artefacts.runner", "slider.artefacts.store"} & found.parts.keys()

@@ -1,5 +1,5 @@
 # One rule per stage; its jobs differ in their recipe alone.
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import STAGES
 
 TRAININGS = ("standing", "walking")
 # Among ready jobs Snakemake starts those of the highest priority. The way to the policy comes first,
@@ -9,7 +9,7 @@ PRIORITIES = dict.fromkeys(
 ) | dict.fromkeys(("stability_gaits", "foot_placement"), 1)
 
 
-for stage in ENTRIES:
+for stage in STAGES:
 
     rule:
         name:

@@ -1,50 +1,89 @@
-"""Entry point of each stage, and what the jobs of several stages have in common."""
+"""Entry point and files of each stage, and what the jobs of several stages have in common."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import code_of
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.control import EXPORT_FILES
 from slider.core.machine import kernels
+from slider.reports.figures import FILES as FIGURES
+from slider.reports.figures import STABILITY_FILES
 
-ENTRIES = {
-    "gait": "slider.gait.stage:run",
-    "gait_start": "slider.gait.study:run",
-    "library": "slider.library.stage:run",
-    "standing": "slider.training.stage:run_standing",
-    "walking": "slider.training.stage:run_walking",
-    "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.stage:run_baseline",
-    "gauge_axis": "slider.evaluation.gauge:run",
-    "gauge": "slider.reports.gauge:run",
-    "tuning": "slider.evaluation.tuning:run",
-    "baseline_tuning": "slider.reports.tuning:run",
-    "table1": "slider.reports.table1:run",
-    "velocity_tracking": "slider.reports.protocols:run_tracking",
-    "speeds": "slider.reports.protocols:run",
-    "segments": "slider.reports.protocols:run",
-    "cases": "slider.reports.protocols:run",
-    "verification_gaits": "slider.verification.stage:run_gaits",
-    "verification": "slider.verification.stage:run",
-    "verification_maps": "slider.reports.figures.checks:run_verification",
-    "stability_gaits": "slider.hzd.stage:run_gaits",
-    "foot_placement": "slider.hzd.stage:collect_placement",
-    "return_maps": "slider.hzd.stability:run_maps",
-    "stability": "slider.hzd.stability:run",
-    "basin": "slider.hzd.stability:run_basin",
-    "stability_figures": "slider.reports.figures.checks:run_stability",
-    "gait_walks": "slider.evaluation.gait_walks:run",
-    "figures": "slider.reports.figures.stage:run",
-    "policy_export": "slider.control.export:run",
-    "policy_import": "slider.control.exported:run",
-    "study": "slider.reports.study:run",
-    "video": "slider.reports.video:run",
-    "report": "slider.reports.page:run",
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage.
+
+    Attributes:
+        entry: its function, as ``module:function``.
+        files: what people read of the target of its name, below ``reports/``.
+    """
+
+    entry: str
+    files: tuple[str, ...] = ()
+
+
+def compared(name: str) -> tuple[str, ...]:
+    """Table and figure with the name of their target."""
+    return f"{name}.csv", f"{name}.md", f"figures/{name}.svg"
+
+
+STAGES = {
+    "gait": Stage("slider.gait.stage:run"),
+    "gait_start": Stage("slider.gait.study:run"),
+    "library": Stage("slider.library.stage:run"),
+    "standing": Stage("slider.training.stage:run_standing"),
+    "walking": Stage("slider.training.stage:run_walking"),
+    "evaluation": Stage("slider.evaluation.stage:run"),
+    "baseline": Stage("slider.evaluation.stage:run_baseline"),
+    "gauge_axis": Stage("slider.evaluation.gauge:run"),
+    "gauge": Stage("slider.reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
+    "tuning": Stage("slider.evaluation.tuning:run"),
+    "baseline_tuning": Stage("slider.reports.tuning:run", compared("baseline_tuning")),
+    "table1": Stage(
+        "slider.reports.table1:run", ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex")
+    ),
+    "velocity_tracking": Stage(
+        "slider.reports.protocols:run_tracking", compared("velocity_tracking")
+    ),
+    "speeds": Stage("slider.reports.protocols:run"),
+    "segments": Stage("slider.reports.protocols:run"),
+    "cases": Stage("slider.reports.protocols:run"),
+    "verification_gaits": Stage("slider.verification.stage:run_gaits"),
+    "verification": Stage(
+        "slider.verification.stage:run",
+        ("verification.csv", "verification.json", "verification.md"),
+    ),
+    "verification_maps": Stage(
+        "slider.reports.figures.checks:run_verification",
+        tuple(f"figures/verification_maps.{end}" for end in ("svg", "md")),
+    ),
+    "stability_gaits": Stage("slider.hzd.stage:run_gaits"),
+    "foot_placement": Stage("slider.hzd.stage:collect_placement"),
+    "return_maps": Stage("slider.hzd.stability:run_maps"),
+    "stability": Stage("slider.hzd.stability:run", ("stability.csv", "stability.md")),
+    "basin": Stage("slider.hzd.stability:run_basin"),
+    "stability_figures": Stage(
+        "slider.reports.figures.checks:run_stability",
+        tuple(f"figures/{name}" for name in STABILITY_FILES),
+    ),
+    "gait_walks": Stage("slider.evaluation.gait_walks:run", ("gait_walks.csv", "gait_walks.md")),
+    "figures": Stage(
+        "slider.reports.figures.stage:run", tuple(f"figures/{name}" for name in FIGURES)
+    ),
+    "policy_export": Stage(
+        "slider.control.export:run", tuple(f"policy/{name}" for name in EXPORT_FILES)
+    ),
+    "policy_import": Stage("slider.control.exported:run"),
+    "study": Stage("slider.reports.study:run"),
+    "video": Stage("slider.reports.video:run"),
+    "report": Stage("slider.reports.page:run", ("index.html",)),
 }
-"""Stage → entry point ``module:function``."""
+"""By their names, each of which is a rule."""
 
 
 def job(
@@ -55,7 +94,7 @@ def job(
     tracked: bool = True,
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
-    return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)
+    return JobSpec(stage, label, code_of(STAGES[stage].entry), section, inputs or {}, tracked)
 
 
 def only(values: dict[str, Any], *names: str) -> dict[str, Any]:

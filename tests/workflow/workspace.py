@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import STAGES
 from slider.artefacts.store import exclusive
 from tests import shared
 
@@ -257,8 +257,8 @@ def with_dummies(workspace: Workspace) -> Workspace:
     """Put stages in miniature in the place of the real ones."""
     source = workspace.folder / "src"
     modules: dict[Path, str] = {}
-    for stage, entry in reversed(ENTRIES.items()):  # import lines first
-        module, _, function = entry.partition(":")
+    for stage in reversed(STAGES):  # import lines first
+        module, _, function = STAGES[stage].entry.partition(":")
         path = source / f"{module.replace('.', '/')}.py"
         body = BODIES.get(stage, OTHER_BODY)
         text = f"def {function}(section, inputs, out, job):{body}\n\n"

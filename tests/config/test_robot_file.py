@@ -106,6 +106,23 @@ def test_a_folder_stands_for_its_robot_yaml(written, tmp_path):
     assert compose([f"robot={tmp_path}"], CONF).robot.name == "mine"
 
 
+def test_an_installed_package_names_its_robot(written, tmp_path, monkeypatch):
+    written(CHANGED, "robot.yaml")
+    (tmp_path / "their_robots.py").write_text(
+        "from pathlib import Path\nHERE = Path(__file__).parent\n"
+    )
+    info = tmp_path / "theirs-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: theirs\nVersion: 1.0\n")
+    names = "theirs = their_robots:HERE\nslider = their_robots:HERE\n"
+    (info / "entry_points.txt").write_text(f"[slider.robots]\n{names}")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert compose(["robot=theirs"], CONF).robot.name == "mine"
+    assert compose(["robot=slider"], CONF).robot.name == "slider"
+    with pytest.raises(UserError, match=r"unknown option robot=their, expected one of: .*slider"):
+        compose(["robot=their"], CONF)
+
+
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
     off = "robot.links.tube.com=[0.01,0.0,-0.2]"
     assert compose([off], CONF).robot.links.tube.com[0] == 0.01

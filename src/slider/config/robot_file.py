@@ -1,5 +1,7 @@
 """``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
+An installed package may give a path a name, by an entry point of ``slider.robots``: ``robot=NAME``.
+Names of ``conf/robot`` come first.
 The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
 ``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
 optional. A value of either file has no other tag than the file's.
@@ -7,6 +9,7 @@ optional. A value of either file has no other tag than the file's.
 
 import re
 from collections.abc import Sequence
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
     from slider.config.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
+ENTRY_POINTS = "slider.robots"
+"""Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
 
 
@@ -33,11 +38,12 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     Raises:
         UserError: there is no such file, it cannot be read or it is no robot's.
     """
-    paths = {text: path for text in overrides if (path := _path(text))}
+    names = sorted(file.stem for file in (conf / "robot").glob("*.yaml"))
+    own = {f"robot={name}" for name in names}
+    paths = {text: path for text in overrides if text not in own and (path := _path(text))}
     for text, path in paths.items():
         node = _content(path)
         require("name" in node, text, "the robot's name as `name`", "none")
-        names = sorted(file.stem for file in (conf / "robot").glob("*.yaml"))
         defaults = node.get("defaults", [])
         possible = isinstance(defaults, list) and all(name in names for name in defaults[:-1])
         possible = possible and all(name in (*names, "_self_") for name in defaults[-1:])
@@ -75,10 +81,12 @@ def model_of(option: str) -> "ModelFile | None":
 
 def _path(text: str) -> Path | None:
     """File that an override names; of a folder its ``robot.yaml``."""
-    match = _PATH.fullmatch(text)
-    if match is None:
+    if match := _PATH.fullmatch(text):
+        path = Path(match[1]).expanduser()
+    elif packaged := entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot=")):
+        path = Path(next(iter(packaged)).load())
+    else:
         return None
-    path = Path(match.group(1)).expanduser()
     return path / "robot.yaml" if path.is_dir() else path
 
 

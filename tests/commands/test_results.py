@@ -94,6 +94,15 @@ def test_the_summary_has_lower_tracking_rates_and_the_papers_error():
     assert "|  | guided RL (paper) | 0.0317 | 1.60 |" in lines
 
 
+def test_the_summary_has_the_range_of_all_trainings():
+    runs = "seed,speed,mse_steady\n1,,\n1,0.2,0.000421\n2,0.2,0.000275\n1,3,0.0178\n2,3,0.0104\n"
+    Path("reports/seeds_runs.csv").write_text(runs)
+    lines = filled("summary")
+    errors = next(i for i, line in enumerate(lines) if "MSE" in line)
+    row = "|  | policy (ours), seeds 1, 2 | 0.00028–0.00042 | 0.010–0.018 |"
+    assert lines[errors + 1] == row
+
+
 def test_times_sum_the_jobs_of_a_stage():
     assert "| table 1 | 1 | 2 | 1.5 | 2.0 |" in filled("times")
 

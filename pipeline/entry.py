@@ -93,14 +93,14 @@ class Pipeline:
         loader = f"GLIBC_TUNABLES= LD_PRELOAD= LD_LIBRARY_PATH={shlex.quote(folders)}"
         return f"{loader} {shlex.join(words)}"
 
-    def slots(self, wildcards: Any) -> int:
-        """Cores that a training holds: ``resources.threads``, and one for each GPU at least.
+    @property
+    def slots(self) -> int:
+        """Cores that a training holds: ``resources.threads``.
 
         A job of several waits until as many are free at once, so the default is one, but on a
         cluster, where the scheduler gives them at once.
         """
-        wanted = self.config.resources.threads or (1 if self.cores else MOST_THREADS)
-        return max(wanted, self.gpus(wildcards))
+        return self.config.resources.threads or (1 if self.cores else MOST_THREADS)
 
     def threads(self, slots: int) -> int:
         """Threads of a training that holds some slots.
@@ -111,10 +111,9 @@ class Pipeline:
             return slots
         return max(slots, training_threads(self.cores))
 
-    def gpus(self, wildcards: Any) -> int:
-        """GPUs that the job of a recipe needs."""
-        train = self.plan.jobs[wildcards.recipe].section["train"]
-        return train["gpus"] if train["device"] == "cuda" else 0
+    def gpu(self, wildcards: Any) -> int:
+        """1 if the job of a recipe needs a GPU."""
+        return int(self.plan.jobs[wildcards.recipe].section["train"]["device"] == "cuda")
 
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.

@@ -189,4 +189,4 @@ def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) 
 
 def _batch(train: TrainConfig) -> int:
     """Samples of one iteration."""
-    return train.gpus * train.robots * train.steps_per_iteration
+    return train.robots * train.steps_per_iteration

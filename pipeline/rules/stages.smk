@@ -28,7 +28,7 @@ for stage in STAGES:
                 if stage in TRAININGS
                 else 1
             ),
-            gpu=PIPELINE.gpus if stage in TRAININGS else 0,
+            gpu=PIPELINE.gpu if stage in TRAININGS else 0,
         shell:
             "{PIPELINE.run} {wildcards.recipe} --threads {resources.pool}"
 

@@ -31,9 +31,7 @@ def test_a_training_holds_one_core_and_uses_idle_ones(
 ):
     monkeypatch.chdir(tmp_path)
     opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF, cores=cores)
-    walking = SimpleNamespace(recipe=opened.plan.targets["walking"])
-    assert opened.plan.jobs[walking.recipe].stage == "walking"
-    assert opened.slots(walking) == slots
+    assert opened.slots == slots
     assert opened.threads(slots) == threads
 
 

@@ -161,12 +161,11 @@ def _learning(
     from rsl_rl.runners import OnPolicyRunner
 
     from slider.core.job import NoTracker
-    from slider.training.distributed import device_of
     from slider.training.ppo import runner_config
 
     config = runner_config(train, NoTracker(), [])
     with contextlib.redirect_stdout(io.StringIO()):
-        runner = OnPolicyRunner(env, config, log_dir=folder, device=device_of(train.device))
+        runner = OnPolicyRunner(env, config, log_dir=folder, device=train.device)
     runner.save = lambda *_, **__: None  # a training saves once in many iterations
     methods = {
         "physics": (env.physics, "step"),

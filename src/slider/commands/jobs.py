@@ -10,7 +10,6 @@ import traceback
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import TextIO
 
@@ -45,9 +44,15 @@ def run(arguments: argparse.Namespace) -> int:
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     peers = (job for job in plan.jobs.values() if job.stage == spec.stage)
     waiting = sum(not store.manifest_path(spec.stage, job.recipe).is_file() for job in peers)
+    progress = store.progress_path(spec.stage, spec.recipe).absolute()
+
+    def show(message: str) -> None:
+        """Progress goes to the log, its latest line to a file, for who shows the run."""
+        print(message, flush=True)
+        progress.parent.mkdir(parents=True, exist_ok=True)
+        progress.write_text(message, encoding="utf-8")
+
     with _output_to(log) as terminal:
-        # The processes of a training get it, too.
-        show = partial(_show, store.progress_path(spec.stage, spec.recipe).absolute())
         try:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)
             print(f"{spec.label}: {outcome}")
@@ -88,13 +93,6 @@ def _redirect(targets: tuple[int, int]) -> None:
             stream.flush()
     for descriptor, target in zip((1, 2), targets, strict=True):
         os.dup2(target, descriptor)
-
-
-def _show(path: Path, message: str) -> None:
-    """Progress goes to the log, its latest line to a file, for who shows the run."""
-    print(message, flush=True)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(message, encoding="utf-8")
 
 
 def publish_arguments(parser: argparse.ArgumentParser) -> None:

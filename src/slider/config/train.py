@@ -179,8 +179,6 @@ class TrainConfig:
     """mujoco: on the processor; mujoco_warp: all robots at once on the device, extra gpu"""
     device: Literal["cpu", "cuda", "auto"]
     """of physics and networks; auto: cuda where there is one, found when jobs are laid out"""
-    gpus: Annotated[t.Count, Field(le=64)]
-    """of one machine, each with a process and ``robots`` of its own; gradients are averaged"""
     robots: t.Count
     """robots simulated at once"""
     steps_per_iteration: Annotated[t.Count, Field(le=100_000)]

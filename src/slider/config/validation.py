@@ -160,8 +160,6 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     else:
         expected = f"cpu with simulator={train.simulator}"
         require(train.device == "cpu", f"{key}.device", expected, train.device)
-    possible = train.device == "cuda" or train.gpus == 1
-    require(possible, f"{key}.gpus", f"1 with device={train.device}", train.gpus)
     length, least = train.episode_length, env.control_period
     require(length >= least, f"{key}.episode_length", f"a value ≥ {least}", length)
     possible = train.ppo.symmetry == "none" or not env.phase.mirror

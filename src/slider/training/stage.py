@@ -11,10 +11,9 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import WARP, TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.vec_env import Task, task_of
+from slider.env.vec_env import task_of
 from slider.library.reader import STORE
-from slider.training.distributed import device_of, launch, rank
-from slider.training.trainer import WEIGHTS, Trainer, read_checkpoint
+from slider.training.trainer import WEIGHTS, Trainer
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -32,22 +31,11 @@ def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) ->
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     train = from_dict(TrainConfig, section["train"])
     library = inputs["library"][0] / STORE if "library" in inputs else None
-    task = task_of(robot, env, train, library, guided)
-    start = inputs["start"][0] / WEIGHTS if "start" in inputs else None
-    if train.gpus > 1:  # a damaged checkpoint is set aside before several processes look
-        read_checkpoint(job.work, job.progress)
-    summary, facts = launch(train.gpus, _train, task, start, out, job)
-    job.volatile.update(facts)
-    return summary
-
-
-def _train(task: Task, start: Path | None, out: Path, job: Job) -> tuple[Summary, dict[str, Any]]:
-    """Train in one process; the first one exports. Return summary and volatile facts."""
-    trainer = Trainer(task, job, simulator(task.train))
-    if start is not None:
-        trainer.start_from(start)
+    trainer = Trainer(task_of(robot, env, train, library, guided), job, simulator(train))
+    if "start" in inputs:
+        trainer.start_from(inputs["start"][0] / WEIGHTS)
     trainer.run()
-    return trainer.export(out) if rank() == 0 else {}, job.volatile
+    return trainer.export(out)
 
 
 def simulator(train: TrainConfig) -> Callable[..., Any] | None:
@@ -59,4 +47,4 @@ def simulator(train: TrainConfig) -> Callable[..., Any] | None:
     if train.simulator == "mujoco":
         return None
     warp = import_module(WARP)  # Table 1 does not depend on it
-    return partial(warp.WarpPhysics, device=device_of(train.device))
+    return partial(warp.WarpPhysics, device=train.device)

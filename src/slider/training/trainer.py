@@ -19,7 +19,6 @@ from slider.control import POLICY_FILE
 from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
-from slider.training.distributed import device_of, rank, wait_for_all
 from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
@@ -43,15 +42,13 @@ class Trainer:
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
         self._checkpoint = read_checkpoint(job.work, job.progress)
-        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0), rank())
+        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
         torch.manual_seed(seed)
-        own, device = replace(task, train=replace(train, seed=seed)), device_of(train.device)
-        if device != "cpu":
-            torch.cuda.set_device(device)  # rsl-rl does so too, but after the first graphs
+        own = replace(task, train=replace(train, seed=seed))
         self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
-        self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
+        self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=train.device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
         with torch.no_grad():  # small first actions
             last = list(self.algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
@@ -88,14 +85,11 @@ class Trainer:
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
             self.env.physics.check()
-            wait_for_all()
-            if rank() > 0:  # the first process checks and writes for all
-                continue
             score = self._check()
             self._save_checkpoint()
             pace = (time.monotonic() - started) / (self._iteration - done_before)
             self._report(score, pace)
-        if not self._best and rank() == 0:
+        if not self._best:
             self._check()
         self._job.volatile["blow_ups"] = int(self.env.diverged)
 
@@ -120,7 +114,7 @@ class Trainer:
     def _report(self, score: Score, pace: float) -> None:
         train = self._task.train
         left = pace * (train.iterations - self._iteration)
-        rate = train.gpus * train.robots * train.steps_per_iteration / pace
+        rate = train.robots * train.steps_per_iteration / pace
         error = f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
         self._job.progress(
             f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "
@@ -190,16 +184,15 @@ def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tens
     return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in names}}
 
 
-def _noise_seed(seed: int, iteration: int, process: int) -> int:
-    """Of networks, environments and noise from an iteration on, in a process of some.
+def _noise_seed(seed: int, iteration: int) -> int:
+    """Of networks, environments and noise from an iteration on.
 
     The states of environments and generators are not in a checkpoint: a resumed training goes on
     with other noise, rather than with that of its first iterations once more.
     """
-    parts = [seed, iteration, process] if process else [seed, iteration]
-    if parts == [seed, 0]:
+    if iteration == 0:
         return seed
-    return int(np.random.SeedSequence(parts).generate_state(1)[0])
+    return int(np.random.SeedSequence([seed, iteration]).generate_state(1)[0])
 
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:

@@ -4,19 +4,14 @@
 object that a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its
 manifest is written: whatever is visible is whole, whenever a process dies.
 
-``integrity/`` holds inode, size and times of files whose content was read and is that of the
-object. As in git's index, it is not read again until these change. A file as young as its reading
-could change within the same tick of the clock and look the same, so it gets no entry.
-
 ``locks/`` keeps processes apart: one job per recipe, and no clean-up while jobs run. The operating
 system releases them when a process ends, however it does.
 """
 
-import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -35,7 +30,6 @@ from slider.core import files
 from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
-_TICK = 2_000_000_000  # of the coarsest clock of a file system [ns]
 _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
 
 
@@ -116,44 +110,15 @@ class Store:
         return result
 
     def is_whole(self, digest: str) -> bool:
-        """Tell whether an object's content has its name; read it only if it may have changed."""
-        with suppress(OSError, ValueError):
-            known = self._entry(digest).read_text(encoding="utf-8")
-            if known == _look(self.object_folder(digest))[0]:
-                return True
-        return self.rehash(digest)
-
-    def rehash(self, digest: str) -> bool:
-        """Read every byte of an object; tell whether it has its name, and note it if so."""
+        """Read an object; tell whether its content has its name."""
         folder = self.object_folder(digest)
         try:
-            (look, changed), now = _look(folder), self.clock()
-            whole = files.digest_table(files.file_table(folder)) == digest
+            return folder.is_dir() and files.digest_table(files.file_table(folder)) == digest
         except (OSError, ValueError):
             return False
-        if whole and changed < now - _TICK:
-            entry = self._entry(digest)
-            with suppress(OSError):  # no space, or no right: the next one reads the object again
-                entry.parent.mkdir(parents=True, exist_ok=True)
-                entry.write_text(look, encoding="utf-8")  # what is torn matches nothing
-        return whole
-
-    def clock(self) -> int:
-        """Time by the clock of the store's file system [ns]; 0, before all files, without one."""
-        try:
-            folder = self.root / "integrity"
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder) as file:
-                return os.fstat(file.fileno()).st_mtime_ns
-        except OSError:
-            return 0
-
-    def _entry(self, digest: str) -> Path:
-        return self.root / "integrity" / digest[:2] / digest
 
     def drop_object(self, digest: str) -> None:
         """Remove an object in one visible step."""
-        self._entry(digest).unlink(missing_ok=True)
         folder = self.object_folder(digest)
         if folder.exists():
             with self.temporary("discarded") as grave:
@@ -227,23 +192,6 @@ class Store:
         for path in dropped:
             path.unlink(missing_ok=True)
         return dropped
-
-
-def _look(folder: Path) -> tuple[str, int]:
-    """Inode, size, times and path of each file, as a text; the latest of the times [ns].
-
-    Raises:
-        NotADirectoryError: there is no such folder, which would look like an empty one.
-    """
-    if not folder.is_dir():
-        raise NotADirectoryError(folder)
-    lines, latest = [], 0
-    for name in files.list_files(folder):
-        facts = (folder / name).lstat()
-        times = facts.st_mtime_ns, facts.st_ctime_ns
-        lines.append(f"{facts.st_ino} {facts.st_size} {times[0]} {times[1]} {name}\n")
-        latest = max(latest, *times)
-    return "".join(lines), latest
 
 
 @contextmanager

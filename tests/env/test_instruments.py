@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.env.ground import FLAT
+from slider.env.height_field import FLAT
 from slider.env.instruments import (
     CONTACT_FORCE,
     LIFT_TIME,

@@ -12,7 +12,7 @@ import pytest
 from slider.config.env import TerrainKind
 from slider.core.arrays import tensors
 from slider.env import terminations
-from slider.env.ground import FLAT, UnevenGround, fitted
+from slider.env.height_field import FLAT, UnevenGround, fitted
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.env.physics import BatchedPhysics

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 
 from slider.core.arrays import Array, tensors
-from slider.env.ground import fitted
+from slider.env.height_field import fitted
 from slider.env.interface import FLOAT64
 from slider.env.state import View
 from slider.library.lookup import GaitTable
@@ -57,7 +57,7 @@ class Guide:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
         Where the clock is halted: standing on both feet, at rest. On uneven ground the legs fit to
-        the ground under their feet (:func:`slider.env.ground.fitted`).
+        the ground under their feet (:func:`slider.env.height_field.fitted`).
         """
         command = view.gait_velocity
         if self._nearest:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slider.env.ground import Ground
+from slider.env.height_field import Ground
 from slider.robot.transmission import Transmission
 
 CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]

@@ -17,7 +17,7 @@ from slider.env.disturbance import (
     with_noise,
 )
 from slider.env.estimator import Measurement, StateEstimator
-from slider.env.ground import FLAT, ScannedGround
+from slider.env.height_field import FLAT, ScannedGround
 from slider.env.starts import SLIDES, turned
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading

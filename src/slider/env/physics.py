@@ -17,8 +17,8 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
 from slider.env import randomization
 from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, uneven
-from slider.env.ground import FLAT, Ground
-from slider.env.ground import TILES as TABLE
+from slider.env.height_field import FLAT, Ground
+from slider.env.height_field import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from slider.core.arrays import Array, namespace, tensors
-from slider.env.ground import FLAT, Ground, ScannedGround
+from slider.env.height_field import FLAT, Ground, ScannedGround
 from slider.env.phase import gait_velocity_of
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of

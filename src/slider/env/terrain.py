@@ -17,7 +17,7 @@ import numpy as np
 
 from slider.config.env import TerrainConfig
 from slider.config.robot import RobotConfig
-from slider.env.ground import CELL, DEPTH, TILES, UnevenGround, fitted
+from slider.env.height_field import CELL, DEPTH, TILES, UnevenGround, fitted
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion, yaw_of
 

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.evaluation import VideoConfig
-from slider.env.ground import Ground
+from slider.env.height_field import Ground
 from slider.env.rollout import Frame
 from slider.robot.scene import Relief, aim
 

@@ -5,7 +5,7 @@ import pytest
 
 from slider.control.hzd.motion import SLIDE, hip, uneven
 from slider.control.whole_body.memory import RIGHT, Memory
-from slider.env.ground import FLAT
+from slider.env.height_field import FLAT
 from slider.gait.outputs import ANKLE, STANCE, SWING
 from tests.control.hzd.test_steps import COUNT, ROBOTS, standing
 

@@ -88,12 +88,12 @@ def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
 def uneven(memory: Memory, robots: np.ndarray, footholds: np.ndarray, phase: np.ndarray) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
 
-    Gaits are those of level ground. As in :func:`slider.env.ground.fitted`, the base counts from
-    the mean of the ground under both feet, and ankles are turned by its slope. With h the height of
-    the swing foot's ground over the stance foot's, the stance leg is longer by h/2, the swing leg
-    shorter. The centre of mass then goes parallel to the line through the footholds, where the
-    linear pendulum moves as on level ground (Kajita et al., "The 3D linear inverted pendulum mode",
-    IROS 2001).
+    Gaits are those of level ground. As in :func:`slider.env.height_field.fitted`, the base counts
+    from the mean of the ground under both feet, and ankles are turned by its slope. With h the
+    height of the swing foot's ground over the stance foot's, the stance leg is longer by h/2, the
+    swing leg shorter. The centre of mass then goes parallel to the line through the footholds,
+    where the linear pendulum moves as on level ground (Kajita et al., "The 3D linear inverted
+    pendulum mode", IROS 2001).
 
     Args:
         memory: with the ground.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.ground import FLAT, Ground
+from slider.env.height_field import FLAT, Ground
 from slider.env.phase import standing
 from slider.robot.kinematics import turn_to_heading
 

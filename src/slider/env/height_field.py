@@ -1,4 +1,4 @@
-"""Ground under the robots by formula, flat, uneven, or as a sensor shows it."""
+"""Heights of the ground under the robots by formula: flat, uneven, or as a sensor shows it."""
 
 import math
 from collections.abc import Callable

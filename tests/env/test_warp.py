@@ -12,13 +12,13 @@ import torch
 from slider.core.errors import UserError
 from slider.env.disturbance import Disturbance, Draws
 from slider.env.physics import BatchedPhysics
-from slider.env.randomization import COLUMNS
+from slider.env.randomization import COLUMNS, RandomizedRobots
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, disturbance, make_physics, robot_config
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
-from slider.env.warp import WarpModels, WarpPhysics
+from slider.env.warp import WarpPhysics
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
@@ -55,7 +55,7 @@ def made() -> WarpPhysics:
 @pytest.fixture
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
-    nominal = WarpModels(made, disturbance())
+    nominal = RandomizedRobots(made.model, disturbance(), N, made.set_fields, made.qpos)
     nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)

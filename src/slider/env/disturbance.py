@@ -110,7 +110,7 @@ class Disturber:
         model: of the nominal robot.
         actuation: of the drives.
         count: number of robots N.
-        robots: ``RandomizedModels`` or ``WarpModels``; none where all are nominal.
+        robots: their differences; none where all are nominal.
         like: an array of the library, precision and device to compute with.
         ground: under the robots; none where all are on flat ground.
     """
@@ -122,7 +122,7 @@ class Disturber:
         model: mujoco.MjModel,
         actuation: Actuation,
         count: int,
-        robots: Any = None,
+        robots: randomization.RandomizedRobots | None = None,
         like: Any = NUMPY,
         ground: terrain.Terrain | None = None,
     ) -> None:

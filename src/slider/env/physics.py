@@ -3,6 +3,7 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import copy
 import ctypes
 from dataclasses import replace
 from functools import partial
@@ -15,12 +16,12 @@ from mujoco import rollout
 from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
-from slider.env import randomization
 from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, uneven
 from slider.env.height_field import FLAT, Ground
 from slider.env.height_field import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
+from slider.env.randomization import Fields, RandomizedRobots, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.env.terrain import Terrain
 from slider.robot import names
@@ -81,9 +82,12 @@ class BatchedPhysics:
         seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
             robots, on_terrain = None, uneven(disturbance.config)
-            if on_terrain or randomization.vary(disturbance.config):
-                robots = randomization.RandomizedModels(self.model, disturbance.config, num_robots)
-                self.models = robots.models
+            if on_terrain or vary(disturbance.config):  # ``rollout`` takes a list in the same time
+                self.models = [copy.copy(self.model) for _ in range(num_robots)]
+                self._constants = mujoco.MjData(self.model)
+                robots = RandomizedRobots(
+                    self.model, disturbance.config, num_robots, self._set_fields
+                )
             if on_terrain:  # robots of all seeds share one table of tiles
                 table = Draws(seeds[:1], 1).generators(TILES, 0)[0].uniform(-1, 1, (TABLE, TABLE))
                 self.terrain = Terrain(disturbance.config.terrain, robot, self.models, table)
@@ -126,6 +130,14 @@ class BatchedPhysics:
     def qvel(self) -> np.ndarray:
         """View of the base and joint velocities (N, 18): linear world, angular base frame."""
         return self._state[:, 1 + self.model.nq :]
+
+    def _set_fields(self, index: np.ndarray, fields: Fields) -> None:
+        """Write fields (n, ...) of the models of robots (n,), and what follows from them."""
+        for row, robot in enumerate(index):
+            model = self.models[robot]
+            for name, values in fields.items():
+                getattr(model, name)[:] = values[row]
+            mujoco.mj_setConst(model, self._constants)
 
     def reset(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Place robots ``index`` at positions (n, 19) and velocities (n, 18).

@@ -1,64 +1,29 @@
-"""Robots that differ from the nominal one: masses, centre of mass, friction, motors.
-
-Every robot has a MuJoCo model of its own (about 0.15 MB), which ``mujoco.rollout`` takes as a list
-at no cost in time.
-"""
+"""Robots that differ from the nominal one: masses, centre of mass, friction, motors."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import copy
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
 
 import mujoco
 import numpy as np
 
 from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
+from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.env.starts import NUMPY
 from slider.robot import names
 
-_DRIVES = len(names.MOTORS)
 # Uniform numbers per robot: payload, one in reserve, delay, mass, friction, centre of mass, motors.
-DELAY, COLUMNS = 2, 8 + _DRIVES
+DELAY, COLUMNS = 2, 8 + len(names.MOTORS)
+VARIED_FIELDS = (
+    *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
+    *("actuator_gainprm", "actuator_forcerange"),
+)
+"""Fields of MuJoCo's model that robots have of their own."""
+Fields = Mapping[str, Array]
 # Places of a DC motor's parameters: resistance, position gain and velocity gain.
-RESISTANCE, GAIN_COLUMNS = 0, [4, 6]
-SLIDING = 0
-
-
-class Drawn(NamedTuple):
-    """What makes N robots differ, as arrays or tensors.
-
-    Attributes:
-        payload: (N,) added to the base [kg].
-        mass: (N,) of all bodies, relative to the nominal one [-].
-        friction: (N,) of the feet [-]; the nominal one if none.
-        shift: (N, 3) of the base's centre of mass [m].
-        gain: (N, 10) torque of the motors, relative to the nominal one [-].
-    """
-
-    payload: Any
-    mass: Any
-    friction: Any
-    shift: Any
-    gain: Any
-
-
-def drawn(config: DisturbanceConfig, uniform: Any) -> Drawn:
-    """Robots of numbers (N, COLUMNS) in [0, 1), an array or a tensor."""
-    friction = config.friction
-    return Drawn(
-        payload=_within(config.payload, uniform[:, 0]),
-        mass=_within(config.mass, uniform[:, 3]),
-        friction=None if friction is None else _within(friction, uniform[:, 4]),
-        shift=config.centre_of_mass * (2.0 * uniform[:, 5:8] - 1.0),
-        gain=_within(config.motor_gain, uniform[:, 8:]),
-    )
-
-
-def feet(model: mujoco.MjModel) -> np.ndarray:
-    """Geoms of the feet."""
-    bodies = [model.body(names.foot(side)).id for side in names.SIDES]
-    return np.flatnonzero(np.isin(model.geom_bodyid, bodies))
+_RESISTANCE, _GAINS = 0, [4, 6]
 
 
 def vary(config: DisturbanceConfig) -> bool:
@@ -68,46 +33,70 @@ def vary(config: DisturbanceConfig) -> bool:
     return not fixed or loaded or config.centre_of_mass > 0 or config.friction is not None
 
 
-class RandomizedModels:
-    """Models of ``count`` robots, drawn again per robot and episode.
+class RandomizedRobots:
+    """Robots that are drawn again in each episode; arrays are those of ``like``.
+
+    Args:
+        nominal: model of the nominal robot.
+        config: how far the robots differ from it.
+        count: number of robots N.
+        write: writes ``VARIED_FIELDS`` (n, ...) of robots (n,) into their models.
+        like: an array of the library, precision and device to compute with.
 
     Attributes:
-        models: of each robot.
         masses: (N,) [kg].
         motor_gain: (N, 10) by which demanded torques are scaled [-].
     """
 
-    def __init__(self, nominal: mujoco.MjModel, config: DisturbanceConfig, count: int) -> None:
-        self.models = [copy.copy(nominal) for _ in range(count)]
-        self.masses = np.full(count, float(nominal.body_mass.sum()))
-        self.motor_gain = np.ones((count, _DRIVES))
-        self._nominal, self._config = nominal, config
-        self._data = mujoco.MjData(nominal)
-        self._base = nominal.body(names.BASE).id
-        self._feet = feet(nominal)
+    def __init__(
+        self,
+        nominal: mujoco.MjModel,
+        config: DisturbanceConfig,
+        count: int,
+        write: Callable[[Array, Fields], None],
+        like: Array = NUMPY,
+    ) -> None:
+        self._config, self._write = config, write
+        self._nominal = {name: asarray(getattr(nominal, name), like) for name in VARIED_FIELDS}
+        self.masses = zeros(count, like) + float(nominal.body_mass.sum())
+        self.motor_gain = zeros((count, len(names.MOTORS)), like) + 1.0
+        feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
+        sliding = np.isin(nominal.geom_bodyid, feet)[:, None] & np.array([True, False, False])
+        parameters = np.arange(nominal.actuator_gainprm.shape[1])
+        masks = (
+            np.arange(nominal.nbody) == nominal.body(names.BASE).id,
+            sliding & (config.friction is not None),
+            np.isin(parameters, _GAINS),
+            parameters == _RESISTANCE,
+        )
+        self._base, self._sliding, self._gains, self._resistance = (
+            namespace(like).asarray(mask, device=like.device) for mask in masks
+        )
 
-    def draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
+    def draw(self, index: Array, uniform: Array) -> None:
         """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
-        new = drawn(self._config, uniform)
-        for i in index:
-            model, nominal, mass = self.models[i], self._nominal, float(new.mass[i])
-            model.body_mass[:] = mass * nominal.body_mass
-            model.body_mass[self._base] += float(new.payload[i])
-            model.body_inertia[:] = mass * nominal.body_inertia
-            model.body_ipos[self._base] = nominal.body_ipos[self._base] + new.shift[i]
-            # Torque scales at every voltage while the on-board loop keeps its volts: MuJoCo turns
-            # the demanded torque into volts with the resistance, and the gains make up for that.
-            gain, parameters = new.gain[i], nominal.actuator_gainprm
-            model.actuator_gainprm[:, RESISTANCE] = parameters[:, RESISTANCE] / gain
-            for column in GAIN_COLUMNS:
-                model.actuator_gainprm[:, column] = parameters[:, column] * gain
-            model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
-            if new.friction is not None:
-                model.geom_friction[self._feet, SLIDING] = new.friction[i]
-            mujoco.mj_setConst(model, self._data)
-            self.masses[i] = float(model.body_mass.sum())
-        self.motor_gain[index] = new.gain[index]
+        xp, config, nominal = namespace(uniform), self._config, self._nominal
+        uniform = uniform[index]
+        payload = _within(config.payload, uniform[:, 0, None])
+        mass = _within(config.mass, uniform[:, 3, None])
+        friction = _within(config.friction or Interval(0.0, 0.0), uniform[:, 4, None, None])
+        shift = config.centre_of_mass * (2.0 * uniform[:, None, 5:8] - 1.0)
+        gain = _within(config.motor_gain, uniform[:, 8:, None])
+        # Torque scales at every voltage while the on-board loop keeps its volts: MuJoCo turns the
+        # demanded torque into volts with the resistance, and the gains make up for that.
+        parameters = nominal["actuator_gainprm"] * xp.where(self._gains, gain, 1.0)
+        fields = {
+            "body_mass": mass * nominal["body_mass"] + self._base * payload,
+            "body_inertia": mass[:, :, None] * nominal["body_inertia"],
+            "body_ipos": nominal["body_ipos"] + self._base[:, None] * shift,
+            "geom_friction": xp.where(self._sliding, friction, nominal["geom_friction"]),
+            "actuator_gainprm": parameters / xp.where(self._resistance, gain, 1.0),
+            "actuator_forcerange": nominal["actuator_forcerange"] * gain,
+        }
+        self._write(index, fields)
+        self.masses[index] = fields["body_mass"].sum(axis=1)
+        self.motor_gain[index] = gain[:, :, 0]
 
 
-def _within(interval: Interval, uniform: Any) -> Any:
+def _within(interval: Interval, uniform: Array) -> Array:
     return interval.lower + (interval.upper - interval.lower) * uniform

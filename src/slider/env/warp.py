@@ -8,20 +8,17 @@ its kernels one by one takes. Nothing in a step waits for the device.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, cast
 
-import numpy as np
 import torch
 
-from slider.config.env import DisturbanceConfig, PhysicsConfig
+from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
-from slider.env import randomization
 from slider.env.disturbance import Disturbance, Disturber, build_plant
-from slider.env.randomization import GAIN_COLUMNS, RESISTANCE, SLIDING
+from slider.env.randomization import VARIED_FIELDS, Fields, RandomizedRobots, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
-from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
@@ -37,10 +34,6 @@ ROWS = 64  # of constraints per robot: 16 in stance, 26 where robots lie on the 
 _DERIVED = ("body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0")
 # Solver and line search stop at their limit as MuJoCo's own do, which says nothing either.
 _LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS
-VARIED_FIELDS = (
-    *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
-    *("actuator_gainprm", "actuator_forcerange"),
-)
 
 
 class WarpPhysics:
@@ -83,7 +76,7 @@ class WarpPhysics:
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)
-        varied = disturbance is not None and randomization.vary(disturbance.config)
+        varied = disturbance is not None and vary(disturbance.config)
         self._warp_device = _device(device)
         self.device = torch.device(wp.device_to_torch(self._warp_device))
         sizes = dict.fromkeys((*VARIED_FIELDS, *_DERIVED), num_robots) if varied else {}
@@ -111,7 +104,11 @@ class WarpPhysics:
         self._diverged = torch.zeros(num_robots, dtype=torch.bool, device=self.device)
         self._disturber: Any = None  # its arrays are tensors
         if disturbance is not None:
-            robots = WarpModels(self, disturbance.config) if varied else None
+            robots = None
+            if varied:
+                robots = RandomizedRobots(
+                    self.model, disturbance.config, num_robots, self.set_fields, self.qpos
+                )
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots, self.qpos
             )
@@ -142,11 +139,16 @@ class WarpPhysics:
         wp.capture_launch(graph, stream)
 
     def field(self, name: str) -> torch.Tensor:
-        """A varied field of the robots' models (N, ...); call :meth:`derive` after a change."""
+        """A varied field of the robots' models (N, ...)."""
         return wp.to_torch(getattr(self._models, name))
 
-    def derive(self) -> None:
-        """Compute what depends on varied masses and inertias, as ``mj_setConst`` does."""
+    def set_fields(self, index: torch.Tensor, fields: Fields) -> None:
+        """Write fields (n, ...) of the models of robots (n,), and what follows from them.
+
+        As ``mj_setConst`` does for MuJoCo.
+        """
+        for name, values in fields.items():
+            self.field(name)[index] = values
         assert self._derive is not None, "nothing is varied"
         self._launch(self._derive)
 
@@ -227,60 +229,3 @@ def _device(name: str) -> "wp.Device":
         raise UserError(
             f"device: expected one that Warp finds ({devices}), found {name}"
         ) from error
-
-
-class WarpModels:
-    """Models of the robots of a simulation, drawn again per robot and episode.
-
-    Attributes:
-        motor_gain: (N, 10) by which demanded torques are scaled [-].
-    """
-
-    def __init__(self, physics: WarpPhysics, config: DisturbanceConfig) -> None:
-        self._physics, self._config, nominal = physics, config, physics.model
-        self._fields = {name: physics.field(name) for name in VARIED_FIELDS}
-        device = physics.device
-        self._nominal = {
-            name: torch.as_tensor(getattr(nominal, name), dtype=field.dtype).to(device)
-            for name, field in self._fields.items()
-        }
-        self.motor_gain = torch.ones((physics.num_robots, len(names.MOTORS)), device=device)
-        parameters = self._fields["actuator_gainprm"].shape[2]
-        self._base = _ones_at([nominal.body(names.BASE).id], nominal.nbody).to(device)
-        self._loop = _ones_at(GAIN_COLUMNS, parameters).to(device)
-        self._resistance = _ones_at([RESISTANCE], parameters).to(device)
-        feet = _ones_at(randomization.feet(nominal), nominal.ngeom)
-        self._sliding = (feet[:, None] * _ones_at([SLIDING], 3) > 0).to(device)
-
-    def draw(self, index: torch.Tensor, uniform: torch.Tensor) -> None:
-        """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
-        new, nominal = randomization.drawn(self._config, uniform[index]), self._nominal
-        mass, gain = new.mass[:, None], new.gain[:, :, None]
-        scale = 1.0 + self._loop * (gain - 1.0) + self._resistance * (1.0 / gain - 1.0)
-        friction = nominal["geom_friction"]
-        if new.friction is not None:
-            friction = torch.where(self._sliding, new.friction[:, None, None], friction)
-        values = {
-            "body_mass": mass * nominal["body_mass"] + self._base * new.payload[:, None],
-            "body_inertia": mass[:, :, None] * nominal["body_inertia"],
-            "body_ipos": nominal["body_ipos"] + self._base[:, None] * new.shift[:, None],
-            "geom_friction": friction,
-            "actuator_gainprm": nominal["actuator_gainprm"] * scale,
-            "actuator_forcerange": nominal["actuator_forcerange"] * gain,
-        }
-        for name, value in values.items():
-            self._fields[name][index] = value
-        self.motor_gain[index] = new.gain
-        self._physics.derive()
-
-    @property
-    def masses(self) -> torch.Tensor:
-        """Masses of the robots (N,) [kg]."""
-        return self._fields["body_mass"].sum(dim=1)
-
-
-def _ones_at(index: Sequence[int] | np.ndarray, size: int) -> torch.Tensor:
-    """Ones at ``index`` among zeros (size,)."""
-    values = torch.zeros(size)
-    values[torch.as_tensor(index)] = 1.0
-    return values

@@ -9,6 +9,7 @@ import torch
 from slider.config.env import HeightScan, ObservationConfig
 from slider.env.observations import TERMS, Observer
 from slider.env.state import View
+from slider.robot.names import MOTORS
 from tests.env.synthetic import (
     PERMUTATION,
     SIGN,
@@ -42,26 +43,40 @@ def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
 
 
 def physical_view(mirrored: bool) -> View:
-    """A view of robots in random motion, or of the same robots in a mirror."""
+    """A view of robots in random motion, or of the same robots in a mirror.
+
+    Quantities of sensors, which are 0 before the first step, are random, too.
+    """
     rng = np.random.default_rng(7)
     pose = random_pose(rng, COUNT)
     command = rng.standard_normal((COUNT, 4))
     actions = rng.standard_normal((2, COUNT, 12))
     filtered, expected = rng.standard_normal((2, COUNT, 2))
     phase = rng.uniform(size=COUNT)
+    torques = rng.standard_normal((COUNT, 2, len(MOTORS) // 2))
+    positions, velocities = rng.standard_normal((2, COUNT, 2, 3))
+    forces, contacts = rng.uniform(10.0, 200.0, (COUNT, 2)), rng.uniform(0.0, 3.0, COUNT)
     if mirrored:
         pose = mirror_pose(*pose)
         command = command * [1.0, -1.0, -1.0, -1.0]
         actions = actions[..., PERMUTATION] * SIGN
         filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
         phase = (phase + 0.5) % 1.0
-    forces = rng.uniform(10.0, 200.0, (COUNT, 2))  # the random poses are in the air
-    if mirrored:
+        torques = torques[:, ::-1] * [-1.0, -1.0, 1.0, 1.0, 1.0]  # yaw and roll flip
+        positions, velocities = (v[:, ::-1] * [1.0, -1.0, 1.0] for v in (positions, velocities))
         forces = forces[:, ::-1].copy()
     physics = make_physics(COUNT)
     physics.reset(np.arange(COUNT), *pose)
+    state = replace(
+        physics.read(),
+        motor_torques=torques.reshape(COUNT, -1),
+        foot_positions=positions,
+        foot_velocities=velocities,
+        foot_forces=forces,
+        body_contacts=contacts,
+    )
     return make_view(
-        replace(physics.read(), foot_forces=forces),
+        state,
         command=command,
         action=actions[0],
         previous_action=actions[1],

@@ -13,13 +13,12 @@ from slider.core.errors import UserError
 class Needs(Flag):
     """What a term reads that not every training has.
 
-    ``CLOCK``: phase; ``LIBRARY``: gaits; ``HISTORY``: outputs of the previous control step.
+    ``CLOCK``: phase; ``LIBRARY``: gaits.
     """
 
     NOTHING = 0
     CLOCK = auto()
     LIBRARY = auto()
-    HISTORY = auto()
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, reduce
-from operator import or_
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -202,7 +201,7 @@ def clf_value(
     return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
 
 
-@reward(Needs.CLOCK | Needs.LIBRARY | Needs.HISTORY)
+@reward(Needs.CLOCK | Needs.LIBRARY)
 def clf_decrease(
     r: RewardView,
     bandwidth: Positive[RadiansPerSecond],
@@ -348,16 +347,11 @@ def action_rate_tanh(r: RewardView) -> Array:
 
 
 class Reward:
-    """The configured sum of terms.
-
-    Attributes:
-        needs: what its active terms read.
-    """
+    """The configured sum of terms."""
 
     def __init__(self, config: RewardConfig) -> None:
         check(config.terms)
         self._config = config
-        self.needs = reduce(or_, (TERMS[name].needs for name in config.active), Needs.NOTHING)
 
     def __call__(self, r: RewardView, fell: Array) -> tuple[Array, dict[str, Array]]:
         """Reward (N,), and the weighted terms by name (N,), before ``floor`` and ``scale``."""

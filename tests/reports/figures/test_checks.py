@@ -15,7 +15,6 @@ from slider.reports.figures.checks import (
     MAPS,
     NAME,
     TABLE,
-    Basin,
     gait_values,
     rows_by_command,
     run_stability,
@@ -66,14 +65,6 @@ def test_stability_repeats_itself_and_is_drawn_without_basins(inputs, tmp_path):
     without = {name: inputs[name] for name in ("library", "stability")}
     empty = drawn(run_stability, without, tmp_path / "none")
     assert set(first) == set(empty) == set(STABILITY_FILES)
-
-
-def test_a_basin_is_read_as_it_was_written(inputs):
-    found = Basin.load(inputs["basins"][0])
-    assert found.title == "(0.5, 0.1) m/s"
-    assert found.steps.shape == (2, 3, 2)
-    assert found.steps[1, 2, 1] == 5
-    assert [len(walked) for walked in found.walks] == [0, 42]
 
 
 CHECKED = [(0.0, -0.1, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]

@@ -1,8 +1,8 @@
 """The stages ``verification_maps`` and ``stability_figures``: tables of gaits as pictures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ from slider.hzd.summary import CSV
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures import STABILITY
-from slider.reports.figures.maps import VelocityMap, draw_maps
+from slider.reports.figures.maps import draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
 from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES
@@ -46,8 +46,7 @@ def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> S
     library = GaitLibrary.load(inputs["library"][0] / STORE).straight
     table = rows_by_command(inputs["verification"][0] / TABLE)
     maps = [
-        VelocityMap(QUANTITIES[name].meaning, gait_values(library, table, name), unit(name))
-        for name in MAPS
+        (QUANTITIES[name].meaning, gait_values(library, table, name), unit(name)) for name in MAPS
     ]
     title = "Verification over the commanded velocity"
     write_figure(out / NAME, title, lambda: draw_maps(library, maps), VERIFICATION_CAPTION)
@@ -81,12 +80,14 @@ def gait_values(
 
 
 _SHOWN = {
-    "spectral_radius": "spectral radius per step, without foot placement",
-    "closed_spectral_radius": "spectral radius per step, with it",
-    "gain_lateral": "displacement per lateral velocity",
-    "decoupling": "least singular value of the decoupling matrix",
+    "spectral_radius": ("spectral radius per step, without foot placement", ""),
+    "closed_spectral_radius": ("spectral radius per step, with it", ""),
+    "gain_lateral": ("displacement per lateral velocity", "s"),
+    "decoupling": ("least singular value of the decoupling matrix", "rad/s², m/s²"),
 }
-_UNITS = {"gain_lateral": "s", "decoupling": "rad/s², m/s²"}
+_PLACEMENT = ("without", "with")
+Arrays = Mapping[str, np.ndarray]
+"""Result of the stage ``basin`` for a gait, by the names of its files."""
 MAPS_CAPTION = """\
 One cell per gait. The return map is that of the rooted robot under its virtual constraints, all of
 the state; its spectral radius is per step, the root of that of a walk's two. Above 1 the walk
@@ -105,49 +106,17 @@ cycle, with it it returns.
 """
 
 
-@dataclass(frozen=True)
-class Basin:
-    """Result of the stage ``basin`` for a gait.
-
-    Attributes:
-        title: its velocity.
-        roll, roll_rate: perturbations (R,), (Q,) [rad], [rad/s].
-        steps: without and with foot placement (2, R, Q); −1: not back.
-        walks: roll and roll rate (N, 2) of a perturbed walk without and with it.
-        cycle: of the limit cycle (2 S, 2).
-    """
-
-    title: str
-    roll: np.ndarray
-    roll_rate: np.ndarray
-    steps: np.ndarray
-    walks: tuple[np.ndarray, np.ndarray]
-    cycle: np.ndarray
-
-    @classmethod
-    def load(cls, folder: Path) -> "Basin":
-        """Read the arrays that the stage wrote."""
-        arrays = {path.stem: np.load(path) for path in folder.glob("*.npy")}
-        vx, vy, _ = arrays["velocity"]
-        return cls(
-            f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
-            arrays["roll"],
-            arrays["roll_rate"],
-            np.stack([arrays["without"], arrays["with"]]),
-            (arrays["walk_without"], arrays["walk_with"]),
-            arrays["cycle"],
-        )
-
-
 def run_stability(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw spectral radii, basins and perturbed walks as SVG and Markdown."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
     table = rows_by_command(inputs["stability"][0] / CSV)
     maps = [
-        VelocityMap(title, gait_values(library, table, name), _UNITS.get(name, ""))
-        for name, title in _SHOWN.items()
+        (title, gait_values(library, table, name), unit) for name, (title, unit) in _SHOWN.items()
     ]
-    basins = [Basin.load(folder) for folder in inputs.get("basins", ())]
+    basins = [
+        {path.stem: np.load(path) for path in folder.glob("*.npy")}
+        for folder in inputs.get("basins", ())
+    ]
     drawings = (
         ("Stability over the commanded velocity", lambda: draw_maps(library, maps), MAPS_CAPTION),
         ("Basins of attraction", lambda: draw_basins(basins), BASINS_CAPTION),
@@ -159,52 +128,51 @@ def run_stability(section: Section, inputs: Inputs, out: Path, job: Job) -> Summ
     return {"gaits": len(table), "basins": len(basins)}
 
 
-def draw_basins(basins: Sequence[Basin]) -> Figure:
-    """A column per gait: without foot placement above, with it below."""
-    figure = new_figure(3.6)
-    if not basins:
-        return figure
-    panels = figure.subplots(2, len(basins), sharex=True, sharey=True, squeeze=False)
-    most = max(2, *(int(basin.steps.max()) for basin in basins))
-    mesh = None
-    for column, basin in zip(panels.T, basins, strict=True):
-        for axes, steps, name in zip(column, basin.steps, ("without", "with"), strict=True):
-            shown = np.ma.masked_less(steps, 0)
-            axes.set_facecolor(EMPTY)
-            mesh = axes.pcolormesh(
-                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=1, vmax=most
-            )
-            axes.plot(0, 0, "+", color=MIDDLE)
-            axes.grid(visible=False)
-            axes.set_title(f"{basin.title}, {name}", loc="left")
-            axes.set(xlabel="roll [rad]", ylabel="roll rate [rad/s]")
-            axes.label_outer()
-    assert mesh is not None
-    figure.colorbar(mesh, ax=panels, pad=0.01, aspect=40).set_label("steps")
+def draw_basins(basins: Sequence[Arrays]) -> Figure:
+    """Of each gait the steps to the limit cycle over the perturbation; −1: not back."""
+    figure, panels = _panels(basins, sharex=True, sharey=True)
+    most = max([2, *(int(basin[name].max()) for basin in basins for name in _PLACEMENT)])
+    for axes, basin, name in panels:
+        axes.set_facecolor(EMPTY)
+        shown = np.ma.masked_less(basin[name], 0).T
+        look = {"cmap": f"{COLOURS}_r", "vmin": 1, "vmax": most}
+        mesh = axes.pcolormesh(basin["roll"], basin["roll_rate"], shown, **look)
+        axes.plot(0, 0, "+", color=MIDDLE)
+        axes.grid(visible=False)
+    if panels:
+        grid = np.reshape([axes for axes, _, _ in panels], (-1, 2)).T
+        figure.colorbar(mesh, ax=grid, pad=0.01, aspect=40).set_label("steps")
     return figure
 
 
-def draw_portraits(basins: Sequence[Basin]) -> Figure:
-    """A column per gait: without foot placement above, with it below."""
-    figure = new_figure(3.6)
-    if not basins:
-        return figure
-    panels = figure.subplots(2, len(basins), sharex="col", sharey="col", squeeze=False)
-    for column, basin in zip(panels.T, basins, strict=True):
-        for axes, walked, name in zip(column, basin.walks, ("without", "with"), strict=True):
-            _portrait(axes, basin.cycle, walked)
-            axes.set_title(f"{basin.title}, {name}", loc="left")
-            axes.set(xlabel="roll [rad]", ylabel="roll rate [rad/s]")
-            axes.label_outer()
+def draw_portraits(basins: Sequence[Arrays]) -> Figure:
+    """Of each gait its limit cycle and a walk from a perturbed roll rate."""
+    figure, panels = _panels(basins, sharex="col", sharey="col")
+    for axes, basin, name in panels:
+        walked, cycle = basin[f"walk_{name}"], basin["cycle"]
+        axes.plot(*walked.T, color=MIDDLE, linewidth=0.8)
+        axes.plot(*walked[:1].T, "o", color=MIDDLE, markersize=3)
+        axes.plot(*np.concatenate([cycle, cycle[:1]]).T, color=DARK, linewidth=1.4)
+        wide = 2.5 * np.ptp(cycle, axis=0)
+        middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+        axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
+        axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])
     return figure
 
 
-def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
-    axes.plot(*walked.T, color=MIDDLE, linewidth=0.8)
-    axes.plot(*walked[:1].T, "o", color=MIDDLE, markersize=3)
-    closed = np.concatenate([cycle, cycle[:1]])
-    axes.plot(*closed.T, color=DARK, linewidth=1.4)
-    wide = 2.5 * np.ptp(cycle, axis=0)
-    middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
-    axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
-    axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])
+def _panels(
+    basins: Sequence[Arrays], **shared: Any
+) -> tuple[Figure, list[tuple[Axes, Arrays, str]]]:
+    """A column per gait: without foot placement above, with it below."""
+    figure, panels = new_figure(3.6), []
+    if basins:
+        grid = figure.subplots(2, len(basins), squeeze=False, **shared)
+        for column, basin in zip(grid.T, basins, strict=True):
+            vx, vy, _ = basin["velocity"]
+            title = f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s"
+            for axes, name in zip(column, _PLACEMENT, strict=True):
+                axes.set_title(f"{title}, {name}", loc="left")
+                axes.set(xlabel="roll [rad]", ylabel="roll rate [rad/s]")
+                axes.label_outer()
+                panels.append((axes, basin, name))
+    return figure, panels

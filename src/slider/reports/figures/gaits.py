@@ -1,7 +1,6 @@
 """Gaits: limit cycles, postures over a walk, and one gait on one page."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib import colormaps
@@ -11,7 +10,6 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from slider.config.robot import Geometry
 from slider.library.blend import Gait, blend
 from slider.library.measures import foot_heights, motor_torques
 from slider.library.reader import GaitLibrary
@@ -56,7 +54,12 @@ def draw_cycles(library: GaitLibrary) -> Figure:
         colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
         for axes, joint in zip(panels.flat, _SHOWN, strict=False):
             _closed_curve(axes, _joint(gait, joint), colour)
-        _closed_curve(panels.flat[-1], _roll(gait), colour)
+        # The second step is reflected, for the world's signs.
+        roll = [
+            (sign * roll[:, 0], sign * roll[:, 1])
+            for roll, sign in zip(gait.roll, (1.0, -1.0), strict=True)
+        ]
+        _closed_curve(panels.flat[-1], roll, colour)
     for axes, joint in zip(panels.flat, _SHOWN, strict=False):
         unit = "m" if joint == "slide" else "rad"
         axes.set(title=joint.replace("_", " "), xlabel=f"[{unit}]", ylabel=f"[{unit}/s]")
@@ -87,17 +90,8 @@ def _joint(gait: Gait, joint: str) -> Pieces:
     return [(position[:, column], velocity[:, column]) for position, velocity in steps]
 
 
-def _roll(gait: Gait) -> Pieces:
-    """Roll and its rate in each step; the second step is reflected, for the world's signs."""
-    return [(sign * gait.roll[step, :, 0], sign * gait.roll[step, :, 1]) for step, sign in _SIGNS]
-
-
-_SIGNS = ((0, 1.0), (1, -1.0))
-
-
 def _closed_curve(axes: Axes, pieces: Pieces, colour: object) -> None:
-    ends = zip(pieces, [*pieces[1:], pieces[0]], strict=True)
-    for (x, y), (next_x, next_y) in ends:
+    for (x, y), (next_x, next_y) in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
         axes.plot(x, y, color=colour, linewidth=1.0)
         axes.plot([x[-1], next_x[0]], [y[-1], next_y[0]], ":", color=colour, linewidth=0.7)
 
@@ -111,27 +105,9 @@ the fifth tile of a row are the two sides of a touchdown: the same posture, the 
 
 _ROWS = 5
 _HALF_WIDTH, _TILE_TOP = 0.52, 1.24  # of a tile [m]
-# The torso's outline in the base frame (x, z) [m], as large as in the simulation.
-_TORSO = np.array([[-0.07, -0.01], [0.07, -0.01], [0.07, 0.11], [-0.07, 0.11]])
+# The torso's outline in the base frame [m], as large as in the simulation.
+_TORSO = np.array([[-0.07, 0, -0.01], [0.07, 0, -0.01], [0.07, 0, 0.11], [-0.07, 0, 0.11]])
 _HIP, _ANKLE, _TOP, _BACK, _FRONT = range(5)
-
-
-@dataclass(frozen=True)
-class Posture:
-    """Points of one posture in the world [m].
-
-    Attributes:
-        base: (3,); rotation: (3, 3) base to world.
-        legs: (2, 5, 3) hip, ankle, top and upper foot of the left and the right leg.
-        feet: (2, 2, 3) heel and toe.
-        stance: 0 where the left foot stands, 1 where the right one does.
-    """
-
-    base: np.ndarray
-    rotation: np.ndarray
-    legs: np.ndarray
-    feet: np.ndarray
-    stance: int
 
 
 def draw_walks(library: GaitLibrary) -> Figure:
@@ -154,73 +130,49 @@ def tile_samples(library: GaitLibrary) -> list[int]:
 
 
 def draw_tiles(row: Sequence[Axes], library: GaitLibrary, gait: int) -> None:
-    """Draw the tiles of one gait, with the time below each."""
-    samples = tile_samples(library)
-    times = library.arrays["time"][gait, samples]
-    for axes, posture, time in zip(row, postures(library, gait, samples), times, strict=True):
-        _tile(axes, posture)
-        axes.set_xlabel(f"{time:.2f} s", labelpad=1)
+    """Draw the tiles of one gait, with the time below each.
 
-
-def _tile(axes: Axes, posture: Posture) -> None:
-    x = float(posture.base[0])
-    draw_ground(axes, x - _HALF_WIDTH, x + _HALF_WIDTH)
-    draw_posture(axes, posture)
-    axes.set(xlim=(x - _HALF_WIDTH, x + _HALF_WIDTH), ylim=(-0.05, _TILE_TOP), aspect="equal")
-    axes.set(xticks=[], yticks=[])
-    axes.grid(visible=False)
-    axes.spines[:].set_visible(False)
-
-
-def postures(library: GaitLibrary, gait: int, samples: list[int]) -> list[Posture]:
-    """Postures of a gait of the library at some of its samples."""
-    geometry: Geometry = library.robot.geometry
-    base = library.arrays["base"][gait, samples]
-    joints = library.arrays["samples"][gait, samples, :NUM_JOINTS]
-    rotation = rotation_from_quaternion(base[:, 3:7])
-    legs = base[:, None, None, :3] + leg_points(geometry, rotation, joints)
-    feet = base[:, None, None, :3] + foot_ends(geometry, rotation, joints)
+    In world x and z: the left leg behind in light, the right leg in front in dark.
+    """
+    samples, geometry = tile_samples(library), library.robot.geometry
+    base, joints = (library.arrays[name][gait, samples] for name in ("base", "samples"))
+    rotation, joints = rotation_from_quaternion(base[:, 3:7]), joints[:, :NUM_JOINTS]
+    place = base[:, None, None, :3]
+    legs = place + leg_points(geometry, rotation, joints)
+    feet = place + foot_ends(geometry, rotation, joints)
+    torsos = base[:, None, :3] + _TORSO @ rotation.swapaxes(1, 2)
     stance = library.arrays["contact"][gait, samples].argmax(axis=1)
-    values = zip(base[:, :3], rotation, legs, feet, stance, strict=True)
-    return [Posture(*posture) for posture in values]
+    for k, (axes, x) in enumerate(zip(row, base[:, 0].tolist(), strict=True)):
+        _draw_ground(axes, x - _HALF_WIDTH, x + _HALF_WIDTH)
+        for leg, colour in enumerate((LIGHT, DARK)):
+            _draw_leg(axes, legs[k, leg], feet[k, leg], colour, 2 + 2 * leg, stance[k] == leg)
+        torso = torsos[k][:, [0, 2]]
+        axes.add_patch(Polygon(torso, facecolor="white", edgecolor=DARK, zorder=3))
+        axes.set(xlim=(x - _HALF_WIDTH, x + _HALF_WIDTH), ylim=(-0.05, _TILE_TOP), aspect="equal")
+        axes.set(xticks=[], yticks=[])
+        axes.grid(visible=False)
+        axes.spines[:].set_visible(False)
+        axes.set_xlabel(f"{library.arrays['time'][gait, samples[k]]:.2f} s", labelpad=1)
 
 
-def draw_posture(axes: Axes, posture: Posture) -> None:
-    """Draw in world x and z: the left leg behind in light, the right leg in front in dark."""
-    _draw_leg(axes, posture, 0, LIGHT)
-    torso = posture.base + np.stack([_TORSO[:, 0], 0 * _TORSO[:, 0], _TORSO[:, 1]], 1) @ (
-        posture.rotation.T
-    )
-    axes.add_patch(Polygon(torso[:, [0, 2]], facecolor="white", edgecolor=DARK, zorder=3))
-    _draw_leg(axes, posture, 1, DARK)
-
-
-def draw_ground(axes: Axes, low: float, high: float, spacing: float = 0.1) -> None:
-    """Ground from x = low to high, with marks that stand still in the world [m]."""
+def _draw_ground(axes: Axes, low: float, high: float) -> None:
+    """Ground from x = low to high, with marks each 0.1 m that stand still in the world [m]."""
     axes.plot([low, high], [0, 0], color="black", linewidth=0.8)
-    for x in np.arange(np.ceil(low / spacing), np.floor(high / spacing) + 1) * spacing:
+    for x in np.arange(np.ceil(low / 0.1), np.floor(high / 0.1) + 1) * 0.1:
         axes.plot([x, x - 0.02], [0, -0.03], color="black", linewidth=0.5)
 
 
-def _draw_leg(axes: Axes, posture: Posture, leg: int, colour: str) -> None:
-    order = 2 + 2 * leg
-    points, foot = posture.legs[leg], posture.feet[leg]
+def _draw_leg(
+    axes: Axes, points: np.ndarray, foot: np.ndarray, colour: str, order: float, loaded: bool
+) -> None:
+    """Points (5, 3): hip, ankle, top and upper foot; foot (2, 3): heel and toe [m]."""
     x, z = points[:, 0], points[:, 2]
     axes.plot(x[[_ANKLE, _TOP]], z[[_ANKLE, _TOP]], color=colour, linewidth=2.2, zorder=order)
     axes.plot(x[[_BACK, _FRONT]], z[[_BACK, _FRONT]], color=colour, linewidth=1.2, zorder=order)
     axes.plot(x[_HIP], z[_HIP], "o", color=colour, markersize=4.5, zorder=order)
+    look = {"facecolor": MIDDLE if loaded else "white", "edgecolor": colour, "linewidth": 0.9}
     shape = np.array([points[_ANKLE], *foot])[:, [0, 2]]
-    loaded = posture.stance == leg
-    axes.add_patch(
-        Polygon(
-            shape,
-            facecolor=MIDDLE if loaded else "white",
-            edgecolor=colour,
-            linewidth=0.9,
-            joinstyle="round",
-            zorder=order + 0.5,
-        )
-    )
+    axes.add_patch(Polygon(shape, joinstyle="round", zorder=order + 0.5, **look))
 
 
 _LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib import colormaps
@@ -27,95 +26,77 @@ of its torque-speed line.
 _FLOOR = 1e-12  # residuals below this are zero but for rounding
 
 
-@dataclass(frozen=True)
-class VelocityMap:
-    """Values (G,) of the gaits of a library, for one map.
-
-    Attributes:
-        name, unit: for the title and the colour bar.
-        values: (G,) in the order of the library; NaN where a gait has none.
-        logarithmic: colours by powers of ten.
-    """
-
-    name: str
-    values: np.ndarray
-    unit: str
-    logarithmic: bool = False
-
-
-def draw_map(axes: Axes, library: GaitLibrary, item: VelocityMap) -> None:
+def draw_map(
+    axes: Axes,
+    library: GaitLibrary,
+    title: str,
+    values: np.ndarray,
+    unit: str,
+    logarithmic: bool = False,
+) -> None:
     """One coloured cell per gait, a cross at each hole, a colour bar with the unit.
+
+    ``values`` (G,) are in the order of the library, NaN where a gait has none; ``logarithmic``
+    colours them by powers of ten.
 
     Raises:
         ValueError: not one value per gait.
     """
-    if item.values.shape != (len(library),):
-        raise ValueError(f"{item.name}: expected {len(library)} values, found {item.values.shape}")
-    colours = colormaps[COLOURS].with_extremes(bad=EMPTY)
+    if values.shape != (len(library),):
+        raise ValueError(f"{title}: expected {len(library)} values, found {values.shape}")
+    places = np.array([*library.planar_velocities, *((h.vx, h.vy) for h in library.holes)])
+    rectangles, limits = [], []
+    for axis, value, place in zip(
+        (library.mesh.vx, library.mesh.vy), library.planar_velocities.T, places.T, strict=True
+    ):
+        low, high = _borders(axis)
+        index, margin = np.searchsorted(axis, value), float((high - low).max()) / 2
+        rectangles.append((low[index], (high - low)[index]))
+        limits.append((place.min() - margin, place.max() + margin))
+    (left, width), (bottom, height) = rectangles
     cells = PatchCollection(
-        [Rectangle(*cell) for cell in _cells(library)], cmap=colours, norm=_norm(item)
+        [Rectangle((x, y), *size) for x, y, *size in zip(left, bottom, width, height, strict=True)],
+        cmap=colormaps[COLOURS].with_extremes(bad=EMPTY),
+        norm=_norm(values[np.isfinite(values)], logarithmic),
     )
-    cells.set_array(np.ma.masked_invalid(item.values))
+    cells.set_array(np.ma.masked_invalid(values))
     cells.set(edgecolor="white", linewidth=0.4)
     axes.add_collection(cells)
-    frame(axes, library)
+    axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
+    axes.set(xlim=limits[0], ylim=limits[1])
+    axes.grid(visible=False)
     for hole in library.holes:
         axes.plot(hole.vx, hole.vy, "x", color=MIDDLE, markersize=4, markeredgewidth=1.2)
     bar = axes.figure.colorbar(cells, ax=axes, pad=0.01, aspect=8)
-    bar.set_label(item.unit)
+    bar.set_label(unit)
     bar.outline.set_visible(False)  # type: ignore[reportCallIssue]
-    axes.set_title(item.name, loc="left")
+    axes.set_title(title, loc="left")
 
 
 def draw_velocity_maps(library: GaitLibrary) -> Figure:
-    """What the library alone can give, one map below the other."""
-    return draw_maps(library, library_maps(library))
-
-
-def library_maps(library: GaitLibrary) -> list[VelocityMap]:
-    """Cost, step time, base height and use of the drives."""
+    """What the library alone can give: cost, times, base height and use of the drives."""
     torque, voltage = (100 * shares.max(axis=1) for shares in measures.motor_shares(library))
-    return [
-        VelocityMap("cost", library.arrays["cost"], library.cost_unit),
-        VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
-        VelocityMap("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
-        VelocityMap("motor torque", torque, "% of limit"),
-        VelocityMap("motor voltage", voltage, "% of the bus"),
-        VelocityMap("slide speed", measures.slide_speed(library), "m/s"),
-    ]
+    return draw_maps(
+        library,
+        [
+            ("cost", library.arrays["cost"], library.cost_unit),
+            ("step time", library.arrays["step_time"].mean(axis=1), "s"),
+            ("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
+            ("motor torque", torque, "% of limit"),
+            ("motor voltage", voltage, "% of the bus"),
+            ("slide speed", measures.slide_speed(library), "m/s"),
+        ],
+    )
 
 
-def draw_maps(library: GaitLibrary, maps: Sequence[VelocityMap]) -> Figure:
-    """Any maps, one below the other, with a common velocity axis."""
+def draw_maps(library: GaitLibrary, maps: Sequence[tuple[str, np.ndarray, str]]) -> Figure:
+    """Maps (title, values, unit) one below the other, with a common velocity axis."""
     figure = new_figure(1.25 * len(maps) + 0.3)
     panels = figure.subplots(len(maps), 1, sharex=True, squeeze=False)[:, 0]
     for axes, item in zip(panels, maps, strict=True):
-        draw_map(axes, library, item)
+        draw_map(axes, library, *item)
         axes.label_outer()
     return figure
-
-
-def frame(axes: Axes, library: GaitLibrary) -> None:
-    """Axes of a map over all velocities of the grid, holes included."""
-    mesh = library.mesh
-    margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
-    holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)
-    places = np.concatenate([library.planar_velocities, holes])
-    axes.set_xlim(places[:, 0].min() - margin_x, places[:, 0].max() + margin_x)
-    axes.set_ylim(places[:, 1].min() - margin_y, places[:, 1].max() + margin_y)
-    axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
-    axes.grid(visible=False)
-
-
-def _cells(library: GaitLibrary) -> list[tuple[tuple[float, float], float, float]]:
-    """Lower left corner, width and height [m/s] of each gait's cell."""
-    vx, vy = library.planar_velocities.T
-    low_x, high_x = _borders(library.mesh.vx)
-    low_y, high_y = _borders(library.mesh.vy)
-    i, j = np.searchsorted(library.mesh.vx, vx), np.searchsorted(library.mesh.vy, vy)
-    width, height = (high_x - low_x).tolist(), (high_y - low_y).tolist()
-    left, bottom = low_x.tolist(), low_y.tolist()
-    return [((left[a], bottom[b]), width[a], height[b]) for a, b in zip(i, j, strict=True)]
 
 
 def _borders(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -125,16 +106,10 @@ def _borders(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return axis - below[: len(axis)], axis + above[: len(axis)]
 
 
-def _half_width(axis: np.ndarray) -> float:
-    low, high = _borders(axis)
-    return float((high - low).max()) / 2
-
-
-def _norm(item: VelocityMap) -> Normalize:
-    values = item.values[np.isfinite(item.values)]
+def _norm(values: np.ndarray, logarithmic: bool) -> Normalize:
     if not len(values):
         return Normalize(0.0, 1.0)
-    if not item.logarithmic:
+    if not logarithmic:
         low, high = float(values.min()), float(values.max())
         margin = 0.01 * abs(low) if np.isclose(low, high) else 0.0  # else only rounding shows
         return Normalize(low - margin, high + margin)
@@ -149,16 +124,19 @@ def draw_smoothness(library: GaitLibrary) -> Figure:
     jumps = 100 * measured.per_gait(len(library))
     figure = new_figure(4.9)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 2.4))
-    item = VelocityMap("greatest jump to a neighbouring gait", jumps, "% of range")
-    draw_map(top, library, item)
+    draw_map(top, library, "greatest jump to a neighbouring gait", jumps, "% of range")
     active = [i for i, name in enumerate(CHANNELS) if "upper_foot" not in name]
     by_channel = 100 * measured.jumps.max(axis=0, initial=0.0)[active]
     order = np.argsort(by_channel)
-    bottom.barh([CHANNELS[active[i]] for i in order], by_channel[order], color=DARK, height=0.6)
+    _bars(bottom, [CHANNELS[active[i]] for i in order], by_channel[order])
     bottom.set(xlabel="greatest jump of the channel between neighbouring gaits [% of its range]")
-    bottom.tick_params(axis="y", labelsize=6.5, length=0)
-    bottom.grid(visible=False, axis="y")
     return figure
+
+
+def _bars(axes: Axes, names: Sequence[str], values: np.ndarray) -> None:
+    axes.barh(names, values, color=DARK, height=0.6)
+    axes.tick_params(axis="y", labelsize=6.5, length=0)
+    axes.grid(visible=False, axis="y")
 
 
 def smoothness_caption(library: GaitLibrary) -> str:
@@ -182,14 +160,15 @@ def draw_convergence(library: GaitLibrary) -> Figure:
     """Maps of iterations and worst residual, and the worst residual of each constraint."""
     figure = new_figure(7.2)
     first, second, bars = figure.subplots(3, 1, height_ratios=(1, 1, 3.2))
-    iterations = library.arrays["iterations"]
-    draw_map(first, library, VelocityMap("IPOPT iterations", iterations, "iterations"))
-    residual, unit = (
-        np.maximum(library.arrays["max_violation"], _FLOOR),
-        "SI unit of\nthe constraint",
-    )
-    draw_map(second, library, VelocityMap("worst residual", residual, unit, logarithmic=True))
-    _residuals(bars, library)
+    arrays, floor = library.arrays, f"{_FLOOR:g}: none"
+    draw_map(first, library, "IPOPT iterations", arrays["iterations"], "iterations")
+    residual, unit = np.maximum(arrays["max_violation"], _FLOOR), "SI unit of\nthe constraint"
+    draw_map(second, library, "worst residual", residual, unit, logarithmic=True)
+    worst = np.maximum(arrays["residuals"].max(axis=0), _FLOOR)
+    order = np.argsort(worst, kind="stable")
+    _bars(bars, [library.constraints[i].replace("_", " ") for i in order], worst[order])
+    bars.set(xscale="log", xlim=(_FLOOR, max(10 * float(worst.max()), 1e-6)))
+    bars.set(xlabel=f"worst residual over all gaits [SI unit of the constraint], {floor}")
     return figure
 
 
@@ -220,7 +199,7 @@ def draw_times(library: GaitLibrary, times: np.ndarray) -> Figure:
     """Map of the times (G,) [s], and how many gaits took how long."""
     figure = new_figure(3.6)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 1.3))
-    draw_map(top, library, VelocityMap("solve time", times, "s of processor"))
+    draw_map(top, library, "solve time", times, "s of processor")
     bottom.hist(times[np.isfinite(times)], bins=30, color=DARK, rwidth=0.9)
     bottom.set(xlabel="processor time of IPOPT [s]", ylabel="gaits")
     return figure
@@ -235,15 +214,3 @@ def times_caption(times: np.ndarray) -> str:
         f"all for {len(finite)} gaits. Measured when each gait was computed, with whatever else "
         "the machine was doing; grey cells: not finite.\n"
     )
-
-
-def _residuals(axes: Axes, library: GaitLibrary) -> None:
-    worst = np.maximum(library.arrays["residuals"].max(axis=0), _FLOOR)
-    order = np.argsort(worst, kind="stable")
-    names = [library.constraints[i].replace("_", " ") for i in order]
-    axes.barh(names, worst[order], color=DARK, height=0.6)
-    axes.set_xscale("log")
-    axes.set_xlim(_FLOOR, max(10 * float(worst.max()), 1e-6))
-    axes.set_xlabel(f"worst residual over all gaits [SI unit of the constraint], {_FLOOR:g}: none")
-    axes.tick_params(axis="y", labelsize=6.5, length=0)
-    axes.grid(visible=False, axis="y")

@@ -39,7 +39,7 @@ STAGES = {
     "standing": Stage("slider.training.stage:run_standing"),
     "walking": Stage("slider.training.stage:run_walking"),
     "evaluation": Stage("slider.evaluation.stage:run"),
-    "baseline": Stage("slider.evaluation.stage:run_baseline"),
+    "baseline": Stage("slider.evaluation.stage:run"),
     "gauge_axis": Stage("slider.evaluation.gauge:run"),
     "gauge": Stage("slider.reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
     "tuning": Stage("slider.evaluation.tuning:run"),

@@ -29,7 +29,7 @@ def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
 
 def run(out, controller: str = "mpc_wbc_tuned", **changes):
     out.mkdir()
-    return stage.run_baseline(section(controller, **changes), {}, out, Job(out.parent))
+    return stage.run(section(controller, **changes), {}, out, Job(out.parent))
 
 
 WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides
@@ -51,7 +51,7 @@ def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, spe
     step = config(*PROTOCOL).control[controller].step
     np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
     assert found.controller == controller
-    assert found.robots.success.value == 1.0
+    assert found.robots.survived.all()
 
 
 def test_walks_disturbed_robots(tmp_path):

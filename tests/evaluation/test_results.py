@@ -30,7 +30,8 @@ def random_robots() -> Robots:
     exponents = range(-4, len(fields(GaitQuality)) + 3)
     numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
     tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
-    return robots(2, 3, tracked, GaitQuality(*numbers[7:]), EstimateError(*numbers[3:7]), ~survived)
+    quality, errors = GaitQuality(*numbers[7:]), EstimateError(*numbers[3:7])
+    return robots(2, 3, ~survived, tracked, quality, errors)
 
 
 def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
@@ -41,7 +42,7 @@ def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
     tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
     quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
     estimate = EstimateError(*(errors * k for k in range(4)))
-    return robots(*alive.shape, tracking, quality, estimate, np.zeros(alive.size, dtype=bool))
+    return robots(*alive.shape, np.zeros(alive.size, dtype=bool), tracking, quality, estimate)
 
 
 def write_evaluation(folder: Path, command: float, found: Robots) -> Path:
@@ -100,25 +101,32 @@ def test_other_columns_are_one_line(tmp_path, name, columns):
 
 
 def test_numbers_by_hand():
+    """Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6."""
     found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
-    assert found.success.value == pytest.approx(5 / 8)
-    assert found.success.interval == wilson(5, 8)  # robots, not trials
-    assert found.tracking_rate.value == pytest.approx(2 / 8)
-    assert found.mse.value == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
-    assert found.mse_steady.value == pytest.approx(0.36)
+    low, high = wilson(5, 8)  # robots, not trials
+    assert found.success() == {
+        "success_rate": pytest.approx(5 / 8),
+        "success_rate_std": pytest.approx(0.25 / np.sqrt(2)),
+        "success_low": low,
+        "success_high": high,
+    }
+    assert found.accuracy() == {
+        "tracking_rate": pytest.approx(2 / 8),
+        "tracking_rate_std": 0.0,
+        "mse": pytest.approx((1 + 2 + 3 + 4 + 8) / 5),
+        "mse_std": pytest.approx(4 / np.sqrt(2)),
+        "mse_steady": pytest.approx(0.36),
+        "mse_steady_std": pytest.approx(0.4 / np.sqrt(2)),
+    }
     assert found.mean("mean_velocity") == pytest.approx(4.6)
-    # Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6.
-    assert found.success.spread == pytest.approx(0.25 / np.sqrt(2))
-    assert found.mse.spread == pytest.approx(4 / np.sqrt(2))
-    assert found.mse_steady.spread == pytest.approx(0.4 / np.sqrt(2))
-    assert found.tracking_rate.spread == 0.0
 
 
 def test_none_survives():
     found = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
-    assert found.success.value == found.success.spread == 0.0
-    assert found.mse.value == found.mse_steady.value == float("inf")
-    assert np.isnan([found.mse.spread, found.mse_steady.spread, found.mean("slip")]).all()
+    success, rates = found.success(), found.accuracy()
+    assert success["success_rate"] == success["success_rate_std"] == 0.0
+    assert rates["mse"] == rates["mse_steady"] == float("inf")
+    assert np.isnan([rates["mse_std"], rates["mse_steady_std"], found.mean("slip")]).all()
 
 
 @pytest.mark.parametrize(

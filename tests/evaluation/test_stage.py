@@ -12,11 +12,11 @@ from slider.config.robot import scaled
 from slider.control.model_based import build_plant
 from slider.core.errors import UserError
 from slider.core.job import Job
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
 from slider.evaluation import results, stage
 from slider.evaluation.results import Evaluation
-from slider.evaluation.stage import read_protocol
 from slider.robot.mjcf import nominal_qpos
 from tests.control.policies import write_policy
 from tests.env.synthetic import config, stand
@@ -169,10 +169,10 @@ def test_disturbances_are_repeatable_and_belong_to_the_trial(walking, tmp_path):
 def test_policy_and_baseline_meet_the_same_robots():
     """Same masses, whatever the drives and the control rate."""
     whole = config(*WHOLE, "evaluation=robust", "evaluation.trials=2", "evaluation.robots=3")
-    test = stage.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
-    count, control = test.count, whole.control["mpc_wbc_tuned"]
-    slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
-    fast = build_plant(whole.robot, whole.env.plant, control, count, disturbance=test.disturbance)
+    test, count, control = whole.evaluation, 6, whole.control["mpc_wbc_tuned"]
+    disturbance = Disturbance(test.disturbance, tuple(stage.seeds_of(test)))
+    slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=disturbance)
+    fast = build_plant(whole.robot, whole.env.plant, control, count, disturbance=disturbance)
     stand(slow), stand(fast)
     np.testing.assert_array_equal(slow.masses, fast.masses)
     assert len(np.unique(slow.masses)) == count
@@ -192,8 +192,8 @@ def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, rollouts
 def on(robot, walking):
     """The policy on another robot than it was trained on."""
     values = section() | {"robot": to_dict(robot)}
-    test = read_protocol(values)
-    return stage.simulate(values, {"walking": [walking]}, test.count, test.disturbance)
+    disturbance = Disturbance(config(*WHOLE).evaluation.disturbance, (0,))
+    return stage.simulate(values, {"walking": [walking]}, 1, disturbance)
 
 
 def test_on_another_robot_the_policy_keeps_its_own_model(walking):

@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Any, TypeVar
 
+from slider.config.convert import to_dict
 from slider.config.evaluation import ReportConfig, VideoConfig
+from slider.core.job import Job
 from slider.reports.contents import Sources
 from slider.reports.page import Content, render
 
@@ -11,12 +13,15 @@ Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
 
 
-def sources(inputs: dict[str, list[Path]], **others: Any) -> Sources:
+def report(*sections: str, speeds: tuple[float, ...] = ()) -> dict[str, Any]:
+    """Settings of a page."""
+    return to_dict(ReportConfig([*sections], [*speeds], VIDEO))
+
+
+def sources(inputs: dict[str, list[Path]], job: Job | None = None, **section: Any) -> Sources:
     """Sources with these inputs; the rest is empty unless given."""
-    empty = ("configuration", "labels", "origins", "times", "page")
-    values: dict[str, Any] = {name: {} for name in empty}
-    values |= {"report": ReportConfig(["table1"], [], VIDEO), "out": Path()}
-    return Sources(inputs=inputs, **{**values, **others})
+    empty = {"configuration": {}, "labels": {}, "origins": {}, "report": report("table1")}
+    return Sources(empty | section, inputs, Path(), job or Job(Path()))
 
 
 def pick(content: Content, kind: type[Block]) -> list[Block]:

@@ -2,13 +2,10 @@
 
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from slider.config.convert import to_dict
-from slider.config.evaluation import ReportConfig
 from slider.core.job import Job
 from slider.evaluation.results import Evaluation, Robots
 from slider.reports import contents, page
@@ -24,7 +21,7 @@ from slider.training.results import Training
 from slider.verification.quantities import QUANTITIES
 from slider.verification.summary import failures, worst, write_csv
 from tests.evaluation.test_results import make_robots, write_evaluation
-from tests.reports.sources import VIDEO, html, pick, sources
+from tests.reports.sources import html, pick, report, sources
 
 
 def test_every_section_has_its_function():
@@ -72,8 +69,7 @@ def test_the_verification_holds(tmp_path):
 def test_speeds_without_an_evaluation_are_named(monkeypatch):
     one = Evaluation("policy", 1.0, Robots({"survived": np.array([True])}), label="policy (ours)")
     monkeypatch.setattr(Sources, "evaluations", lambda self, name: [one])
-    report = ReportConfig(["tracking"], [7.0, 0.25], VIDEO)
-    (note,) = content("tracking", replace(sources({}), report=report)).blocks
+    (note,) = content("tracking", sources({}, report=report(speeds=(7.0, 0.25)))).blocks
     assert note.markdown.endswith("not drawn: 7.0, 0.25 m/s.")
 
 
@@ -110,7 +106,7 @@ def test_the_page_is_one_file_without_script_or_network(tmp_path):
     evaluation = write_evaluation(tmp_path / "a", 0.2, make_robots([[1, 1]], [[1, 2]]))
     settings = {"trials": 1, "robots": 2, "duration": 10.0, "seed": 5, "speeds": [0.2]}
     section = {
-        "report": to_dict(ReportConfig(["overview", "table1"], [], VIDEO)),
+        "report": report("overview", "table1"),
         "configuration": {
             "robot": {"name": "my biped"},
             "evaluation": settings | {"controllers": ["policy"]},

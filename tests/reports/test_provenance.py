@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from slider.core.job import Job
 from slider.reports.page import content
 from slider.reports.table import Table, Text
 from tests.reports.sources import pick, sources
@@ -37,7 +38,8 @@ def section(origins, times):
     folders = {name: [Path(f"/{i}") for i in range(len(jobs))] for name, jobs in origins.items()}
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
-    given = sources(folders, configuration=configuration, origins=origins, times=times, page=page)
+    job = Job(Path(), volatile=page, input_volatile=times)
+    given = sources(folders, job, configuration=configuration, origins=origins)
     return content("provenance", given)
 
 

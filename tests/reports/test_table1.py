@@ -11,7 +11,7 @@ from slider.evaluation.results import QUALITY, Evaluation, Robots
 from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports import table1
-from slider.reports.rows import NAN, quality_row, table_row
+from slider.reports.rows import NAN, quality_row
 from slider.reports.table1 import compare, comparisons
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
@@ -24,16 +24,6 @@ COLUMNS = [
 ]
 
 SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "mine"}
-
-
-def test_a_row_has_the_numbers_of_its_evaluation():
-    found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
-    row = table_row(Evaluation("policy", 0.6, found))
-    assert (row["controller"], row["source"], row["speed"]) == ("policy", "measured", 0.6)
-    assert (row["success_rate"], row["success_rate_std"]) == found.success[:2]
-    assert (row["success_low"], row["success_high"]) == found.success.interval
-    for name in ("tracking_rate", "mse", "mse_steady"):
-        assert (row[name], row[f"{name}_std"]) == getattr(found, name)[:2]
 
 
 def test_some_of_the_papers_numbers():

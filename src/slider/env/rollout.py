@@ -7,7 +7,7 @@ and failures detected once per control period; loads of the drives, contacts and
 the legs at every simulation step.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -209,6 +209,11 @@ class Frame:
     qpos: np.ndarray
     velocity: np.ndarray
     failed: bool
+
+
+def mean_speed(frames: Sequence[Frame]) -> float:
+    """Mean forward velocity in the second half of some frames [m/s]."""
+    return float(np.mean([frame.velocity[0] for frame in frames[len(frames) // 2 :]]))
 
 
 class Episode:

@@ -27,7 +27,7 @@ from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.terrain import magnitude
-from slider.evaluation.stage import Simulated, at_speeds, simulate, simulate_baseline
+from slider.evaluation.stage import Simulated, at_speeds, seeds_of, simulate
 
 CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
@@ -84,7 +84,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     torch.set_num_threads(job.threads)
     protocol = from_dict(GaugeProtocol, section["protocol"])
     values, directions = section["values"], section["directions"]
-    seeds = range(protocol.seed, protocol.seed + protocol.trials)
+    seeds = seeds_of(protocol)
     rows, failed, tested = [], False, 0
     for level, value in enumerate(values, 1):
         passed = 0
@@ -113,22 +113,18 @@ def _measure(
     threads: int,
 ) -> dict[str, np.ndarray]:
     """Columns ``COUNTS`` of all seeds and speeds at a level."""
-    axis, seeds = section["axis"], range(protocol.seed, protocol.seed + protocol.trials)
+    axis, seeds = section["axis"], seeds_of(protocol)
     config = disturbed(protocol.disturbance, protocol.sensing, axis, value, direction)
     if axis == "sensor_noise":
         section = with_noisier_sensors(section, value)
     robot = from_dict(RobotConfig, section["robot"])
     starts, velocities = at_speeds(robot, protocol.start, seeds, protocol.robots, protocol.speeds)
     disturbance = Disturbance(config, tuple(seeds))
-    simulated = _simulate(section, inputs, len(velocities), disturbance, threads)
-    recording = roll_out(
-        simulated.controller,
-        simulated.physics,
-        simulated.env,
-        starts,
-        velocities,
-        protocol.duration,
-    )
+    built = _simulate_exported if "policy" in inputs else simulate
+    simulated = built(section, inputs, len(velocities), disturbance, threads)
+    if "control" not in section:
+        simulated = simulated._replace(controller=_GivesUp(simulated.controller))
+    recording = roll_out(*simulated, starts, velocities, protocol.duration)
     return count_passes(recording, protocol)
 
 
@@ -162,22 +158,16 @@ def with_noisier_sensors(section: Section, factor: float) -> Section:
     return section | {key: section[key] | {"onboard": onboard | {"sensors": sensors}}}
 
 
-def _simulate(
+def _simulate_exported(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
 ) -> Simulated:
-    """The controller of a section; robots that have failed are not simulated further."""
-    if "control" in section:
-        return simulate_baseline(section, inputs, count, disturbance, threads)
-    if "policy" not in inputs:
-        simulated = simulate(section, inputs, count, disturbance, threads)
-        return replace(simulated, controller=_GivesUp(simulated.controller))
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     policy = load_exported(inputs["policy"][0], robot, env)
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     physics = BatchedPhysics(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
-    return Simulated(_GivesUp(PolicyController(policy.network, agent)), physics, env)
+    return Simulated(PolicyController(policy.network, agent), physics, env)
 
 
 class _GivesUp:

@@ -2,9 +2,8 @@
 
 import json
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,17 +34,6 @@ Z = 1.959963984540054  # 97.5 % quantile of the normal distribution
 SEGMENT_COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
 
 
-class Estimate(NamedTuple):
-    """A mean over robots and the standard deviation over trials of the trials' means.
-
-    The spread is NaN for fewer than two trials. ``interval`` is Wilson's 95 % one, of a share.
-    """
-
-    value: float
-    spread: float
-    interval: tuple[float, float] | None = None
-
-
 @dataclass(frozen=True)
 class Robots:
     """Records of N robots in columns (N,): ``trial``, ``survived``, … ; NaN where a robot fell."""
@@ -66,34 +54,34 @@ class Robots:
         values = self.survivors(name)
         return float(values.mean()) if len(values) else float("nan")
 
-    @property
-    def success(self) -> Estimate:
-        """Share of robots without a termination (``env.termination``) in the whole rollout."""
-        ends = wilson(int(self.survived.sum()), len(self.survived))
-        rate = float(self.survived.mean())
-        return Estimate(rate, spread(self.survived.astype(float), self.columns["trial"]), ends)
+    def success(self) -> dict[str, float]:
+        """Share without a termination (``env.termination``), its spread, Wilson's 95 % interval."""
+        low, high = wilson(int(self.survived.sum()), len(self.survived))
+        row = self._mean("success_rate", "survived", slice(None))
+        return row | {"success_low": low, "success_high": high}
 
-    @property
-    def tracking_rate(self) -> Estimate:
-        """Share of robots that track the command."""
-        tracked = self.columns["tracked"].astype(float)
-        return Estimate(float(tracked.mean()), spread(tracked, self.columns["trial"]))
+    def accuracy(self) -> dict[str, float]:
+        """Share that tracks the command; mean squared velocity errors of survivors [m²/s²].
 
-    @property
-    def mse(self) -> Estimate:
-        """Mean squared velocity error of survivors, the start included [m²/s²]."""
-        return self._error("squared_error")
+        ``mse`` counts the start, ``mse_steady`` begins after the warm-up. Both are infinite where
+        none survived, as in the paper.
+        """
+        return (
+            self._mean("tracking_rate", "tracked", slice(None))
+            | self._mean("mse", "squared_error", self.survived)
+            | self._mean("mse_steady", "squared_error_steady", self.survived)
+        )
 
-    @property
-    def mse_steady(self) -> Estimate:
-        """The same after the warm-up."""
-        return self._error("squared_error_steady")
+    def _mean(self, name: str, column: str, robots: np.ndarray | slice) -> dict[str, float]:
+        """A mean over robots, and as ``NAME_std`` the standard deviation of the trials' means.
 
-    def _error(self, name: str) -> Estimate:
-        """Mean of a squared error over survivors; infinite without any, as in the paper."""
-        values = self.survivors(name)
-        value = float(values.mean()) if len(values) else float("inf")
-        return Estimate(value, spread(values, self.columns["trial"][self.survived]))
+        The latter is NaN for fewer than two trials.
+        """
+        values, trial = self.columns[column][robots], self.columns["trial"][robots]
+        mean = float(values.mean()) if len(values) else float("inf")
+        means = [values[trial == t].mean() for t in np.unique(trial)]
+        spread = float(np.std(means, ddof=1)) if len(means) > 1 else float("nan")
+        return {name: mean, f"{name}_std": spread}
 
 
 @dataclass(frozen=True)
@@ -145,36 +133,37 @@ class Evaluation:
         """
         metadata = json.loads((folder / METADATA).read_text(encoding="utf-8"))
         flags = ("survived", "tracked", "diverged")
+        segments = ()
+        if (folder / SEGMENTS).is_file():
+            table = columns.read(folder / SEGMENTS, SEGMENT_COLUMNS, ("survived",))
+            index = table["segment"]
+            parts = [{n: v[index == i] for n, v in table.items()} for i in np.unique(index)]
+            segments = tuple(map(Robots, parts))
         return cls(
             metadata["controller"],
             metadata["speed"],
             Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
             np.load(folder / VELOCITY),
             metadata.get("case", ""),
-            _read_segments(folder / SEGMENTS),
+            segments,
             np.load(folder / TRACES) if (folder / TRACES).is_file() else None,
         )
 
 
 def robots(
-    trials: int,
-    count: int,
-    tracked: Tracking,
-    quality: GaitQuality,
-    errors: EstimateError,
-    diverged: np.ndarray,
+    trials: int, count: int, diverged: np.ndarray, *metrics: Tracking | GaitQuality | EstimateError
 ) -> Robots:
     """Robots from their metrics; those of a trial stand next to each other."""
-    return Robots(
-        {
-            "trial": np.repeat(np.arange(trials), count),
-            "robot": np.tile(np.arange(count), trials),
-            **asdict(tracked),
-            **asdict(quality),
-            **asdict(errors),
-            "diverged": diverged,
-        }
-    )
+    columns = places(trials, count)
+    for one in metrics:
+        columns |= vars(one)
+    return Robots(columns | {"diverged": diverged})
+
+
+def places(trials: int, count: int) -> Columns:
+    """Columns ``trial`` and ``robot``, its number within the trial."""
+    trial, robot = np.divmod(np.arange(trials * count), count)
+    return {"trial": trial, "robot": robot}
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
@@ -195,17 +184,3 @@ def _lower(successes: int, count: int) -> float:
     """Lower end; exactly 0 for no success."""
     spread = Z * math.sqrt(Z**2 + 4 * successes * (1 - successes / count))
     return (2 * successes + Z**2 - spread) / (2 * (count + Z**2))
-
-
-def spread(values: np.ndarray, trial: np.ndarray) -> float:
-    """Standard deviation over trials of the trial means; NaN for fewer than two trials."""
-    means = [values[trial == t].mean() for t in np.unique(trial)]
-    return float(np.std(means, ddof=1)) if len(means) > 1 else float("nan")
-
-
-def _read_segments(path: Path) -> tuple[Robots, ...]:
-    if not path.is_file():
-        return ()
-    table = columns.read(path, SEGMENT_COLUMNS, ("survived",))
-    index = table["segment"]
-    return tuple(Robots({n: v[index == i] for n, v in table.items()}) for i in np.unique(index))

@@ -7,7 +7,7 @@ from slider.core.columns import Columns
 from slider.env.instruments import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
-from slider.evaluation.results import AXES, MEASURES, Robots
+from slider.evaluation.results import AXES, MEASURES, Robots, places
 
 SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
 
@@ -48,28 +48,20 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
 
     They survive a segment if they stand until its end, even if they fall later.
     """
-    warm_up, count = profile_of(protocol).warm_up, protocol.trials * protocol.robots
+    warm_up = profile_of(protocol).warm_up
     steps = windows(case, warm_up, protocol.duration, recording.period)
+    count = touchdowns(recording.contacts.forces, recording.timestep).sum(axis=2)
+    # In each control step, of both feet (S, N).
+    touchdown = count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
     parts = []
-    touchdown = _touchdowns(recording)
     for index, window in enumerate(steps):
         survived = recording.alive[window.stop - 1]
-        part = {
-            "trial": np.repeat(np.arange(protocol.trials), protocol.robots),
-            "robot": np.tile(np.arange(protocol.robots), protocol.trials),
-            "segment": np.full(count, index),
-            "survived": survived,
-        }
+        part = places(protocol.trials, protocol.robots)
+        part |= {"segment": np.full(len(survived), index), "survived": survived}
         values = _measures(recording, touchdown, window)
         values = {name: np.where(survived, values[name], np.nan) for name in MEASURES}
         parts.append(Robots(part | values))
     return parts
-
-
-def _touchdowns(recording: Recording) -> np.ndarray:
-    """In each control step, of both feet (S, N)."""
-    count = touchdowns(recording.contacts.forces, recording.timestep).sum(axis=2)
-    return count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
 
 
 def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Columns:

@@ -17,16 +17,17 @@ from optuna.storages import JournalStorage
 from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
-from slider.config.convert import setting, with_settings
+from slider.config.convert import from_dict, setting, with_settings
+from slider.config.evaluation import EvaluationConfig
+from slider.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking
 from slider.env.rollout import roll_out
-from slider.evaluation.stage import at_speeds, read_protocol, simulate_baseline
+from slider.evaluation.stage import at_speeds, simulate
 
 CSV = "trials.csv"
 _JOURNAL = "trials.log"
-_STUDY = "tuning"
 SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
 
 
@@ -34,7 +35,15 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write a row per trial: score, settings, success and error [m²/s²] of each speed."""
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     ranges = _distributions(section)
-    study, done = _open(section, ranges, job)
+    storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))
+    study = optuna.create_study(storage=storage, study_name="tuning", load_if_exists=True)
+    done = len(_complete(study))
+    if done:
+        job.volatile["resumed"] = True
+    else:
+        study.enqueue_trial({name: _present(section, name) for name in ranges})
+    # A resumed search must not draw again what it has drawn.
+    study.sampler = optuna.samplers.TPESampler(seed=section["sampler_seed"] + done)
     for number in range(done, section["trials"]):
         trial = study.ask(ranges)
         columns, score = _measure(section, inputs, trial.params, job.threads)
@@ -73,22 +82,6 @@ def _present(section: Section, name: str) -> float:
     return value
 
 
-def _open(
-    section: Section, ranges: Mapping[str, BaseDistribution], job: Job
-) -> tuple[optuna.Study, int]:
-    """A search, new or from its journal, and the number of its finished trials."""
-    storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))
-    study = optuna.create_study(storage=storage, study_name=_STUDY, load_if_exists=True)
-    done = len(_complete(study))
-    if done:
-        job.volatile["resumed"] = True
-    else:
-        study.enqueue_trial({name: _present(section, name) for name in ranges})
-    # A resumed search must not draw again what it has drawn.
-    study.sampler = optuna.samplers.TPESampler(seed=section["sampler_seed"] + done)
-    return study, done
-
-
 def _complete(study: optuna.Study) -> list[FrozenTrial]:
     return study.get_trials(states=(TrialState.COMPLETE,))
 
@@ -97,13 +90,13 @@ def _measure(
     section: Section, inputs: Inputs, settings: Mapping[str, float], threads: int
 ) -> tuple[dict[str, float], float]:
     """Success and error of each speed, and the score."""
-    protocol, speeds = read_protocol(section), section["speeds"]
-    config = protocol.config
-    starts = at_speeds(protocol.robot, config.start, [config.seed], config.robots, speeds)
+    config, speeds = from_dict(EvaluationConfig, section["evaluation"]), section["speeds"]
+    robot = from_dict(RobotConfig, section["robot"])
+    starts = at_speeds(robot, config.start, [config.seed], config.robots, speeds)
     section = section | {"control": with_settings(section["control"], settings)}
     disturbance = Disturbance(config.disturbance, (config.seed,))
-    plant = simulate_baseline(section, inputs, len(starts[1]), disturbance, threads)
-    recording = roll_out(plant.controller, plant.physics, plant.env, *starts, config.duration)
+    plant = simulate(section, inputs, len(starts[1]), disturbance, threads)
+    recording = roll_out(*plant, *starts, config.duration)
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
     return scored(tracking(recording, *limits), speeds)
 

@@ -9,6 +9,7 @@ from slider.core.errors import UserError
 from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.scenes import Scene
+from slider.reports import film
 
 _WARM_UP = 4.0  # from rest to a periodic walk [s]
 _WALK = 1.0  # longer than a walk of two steps: the loop ends in the last of these [s]
@@ -38,7 +39,8 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     first = round(_WARM_UP * _FRAME_RATE)
     end = first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
-    pictures = _pictures(scene, shown[first // 2 : end])[first - first // 2 :]
+    rendered = list(film.render(scene.robot, shown[first // 2 : end], _SIZE, ("side",)))
+    pictures = [Image.fromarray(picture) for picture in rendered[first - first // 2 :]]
     path.parent.mkdir(parents=True, exist_ok=True)
     pictures[0].save(
         path,
@@ -57,19 +59,3 @@ def repeats_at(frames: list[Frame]) -> int:
     poses = np.array([frame.qpos[2:] for frame in frames])
     first = max(1, len(frames) - round(_WALK * _FRAME_RATE))
     return first + int(np.argmin(np.linalg.norm(poses[first:] - poses[0], axis=1)))
-
-
-def _pictures(scene: Scene, frames: list[Frame]) -> list[Image.Image]:
-    from mujoco import FatalError  # pyright: ignore[reportAttributeAccessIssue]
-
-    from slider.reports import film
-    from slider.robot.scene import build_scene
-
-    model = build_scene(scene.robot, *_SIZE)
-    try:
-        pictures = list(film.render(model, frames, _SIZE, ("side",)))
-    except (ImportError, RuntimeError, AttributeError, FatalError) as error:  # broken OpenGL
-        raise UserError(
-            f"expected to render without a display, found: {error}; MUJOCO_GL=osmesa may work"
-        ) from None
-    return [Image.fromarray(picture) for picture in pictures]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from slider.env.rollout import Frame
+from slider.env.rollout import Frame, mean_speed
 from slider.play.scenes import Motion, Scene
 from slider.robot.scene import CAMERAS
 
@@ -143,7 +143,6 @@ def run_headless(scene: Scene, control: Control, seconds: float | None) -> int:
     """Move as fast as possible and print the outcome; status 1 if the robot fell."""
     frames = record(scene.motion, control, _SECONDS if seconds is None else seconds)
     last = frames[-1]
-    half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
     fate = f"{'fell' if last.failed else 'up'} after {last.time:.2f} s"
-    print(f"{scene.title}: {fate}, {np.mean(half):.3f} m/s forward in the second half")
+    print(f"{scene.title}: {fate}, {mean_speed(frames):.3f} m/s forward in the second half")
     return int(last.failed)

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from slider.config.convert import from_dict
-from slider.config.evaluation import EvaluationConfig, ReportConfig
-from slider.core.job import Inputs
+from slider.config.evaluation import EvaluationConfig, VideoConfig
+from slider.core.job import Inputs, Job, Section
 from slider.evaluation.results import Evaluation
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import gauge as gauge_report
@@ -52,63 +52,35 @@ _SHOWN_FAILURES = 20
 _HOLDS = {None: "–", True: "yes", False: "NO"}
 
 
-@dataclass(frozen=True)
-class Film:
-    """A video, the picture in its place on paper, and how the robot did."""
-
-    path: Path
-    poster: Path
-    caption: str
-
-
-@dataclass(frozen=True)
-class Films:
-    """Films below headings."""
-
-    kind: ClassVar = "films"
-    rows: Mapping[str, Sequence[Film]]
-
-
-@dataclass(frozen=True)
-class Overview:
-    """The first screen: a robot that walks, a plot, and a sentence."""
-
-    kind: ClassVar = "overview"
-    film: Film | None
-    plot: Picture
-    sentence: str
-
-
-Blocks = Iterator[Written | Films | Overview | origins_report.Details]
+Blocks = Iterator[Written | dict[str, Any]]
+"""Blocks; a dictionary is one of the page alone, see ``templates/page.html``."""
 
 
 @dataclass(frozen=True)
 class Sources:
-    """Inputs of the sections of the page.
+    """What the stage ``report`` is given.
 
     Attributes:
-        report: settings of the page.
-        configuration: the resolved configuration, as plain values.
-        labels: names of the controllers for people.
-        origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
+        section: ``report``, the resolved ``configuration``, ``labels`` of the controllers, and
+            ``origins``: input → for each of its jobs stage, label, recipe, source digest, versions.
         inputs: input → object folders.
-        times: input → for each of its jobs what differs between runs, such as ``wall_s``.
-        page: the same of the page itself; see :mod:`slider.artefacts.run_metadata`.
         out: folder of the page and of the figures that it draws.
+        job: with what differs between runs, of the inputs and of the page.
     """
 
-    report: ReportConfig
-    configuration: Mapping[str, Any]
-    labels: Mapping[str, str]
-    origins: Mapping[str, Sequence[Mapping[str, Any]]]
+    section: Section
     inputs: Inputs
-    times: Mapping[str, Sequence[Mapping[str, Any]]]
-    page: Mapping[str, Any]
     out: Path
+    job: Job
+
+    @property
+    def configuration(self) -> Mapping[str, Any]:
+        """The resolved configuration, as plain values."""
+        return self.section["configuration"]
 
     def evaluations(self, name: str) -> list[Evaluation]:
         """Evaluations among the inputs of a target."""
-        return evaluations(self.inputs[f"{name}.evaluations"], self.labels)
+        return evaluations(self.inputs[f"{name}.evaluations"], self.section["labels"])
 
     def file(self, name: str, path: str) -> Path:
         """File of the one result of an input."""
@@ -131,7 +103,8 @@ def overview(sources: Sources) -> Blocks:
         "paper's numbers."
     )
     film = films[0][1] if films else None
-    yield Overview(film, Picture(svg, caption), finding(rows))
+    plot, sentence = Picture(svg, caption), finding(rows)
+    yield {"kind": "overview", "film": film, "plot": plot, "sentence": sentence}
 
 
 def finding(rows: Sequence[Row]) -> str:
@@ -161,7 +134,8 @@ def table1(sources: Sources) -> Blocks:
 
 def tracking(sources: Sources) -> Blocks:
     """Forward velocity over time, as in the paper's figure."""
-    speeds, results = sources.report.tracking_speeds, sources.evaluations("table1")
+    speeds = sources.section["report"]["tracking_speeds"]
+    results = sources.evaluations("table1")
     shown = [result for result in results if result.speed in speeds]
     if shown:
         period = sources.configuration["env"]["control_period"]
@@ -172,30 +146,33 @@ def tracking(sources: Sources) -> Blocks:
 
 def videos(sources: Sources) -> Blocks:
     """A row of films per speed, one film per controller; then those on terrain."""
-    if sources.report.video.renderer == "none":
+    video = from_dict(VideoConfig, sources.section["report"]["video"])
+    if video.renderer == "none":
         yield Text("No videos: `report.video.renderer` is `none`.", "note")
         return
-    rows: dict[str, list[Film]] = {}
-    films = sorted(_films(sources), key=lambda item: (item[0]["terrain"], item[0]["speed"]))
-    for about, film in films:
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for about, film in sorted(
+        _films(sources), key=lambda one: (one[0]["terrain"], one[0]["speed"])
+    ):
         place = f"{about['terrain']}, " if about["terrain"] else ""
         rows.setdefault(f"{place}{speed_text(about['speed'])} m/s", []).append(film)
     if not rows:
         yield Text(_NO_RENDERER, "note")
         return
-    seen = " and ".join(sources.report.video.cameras)
+    seen = " and ".join(video.cameras)
     yield Text(f"One robot per film, all from the same start at rest, seen from the {seen}.")
-    yield Films(rows)
+    yield {"kind": "films", "rows": rows}
 
 
-def _films(sources: Sources) -> Iterator[tuple[dict[str, Any], Film]]:
-    """Facts and film of each video."""
+def _films(sources: Sources) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """Facts of each video; and the film, the picture in its place on paper, how the robot did."""
     for folder in sources.inputs.get("videos", ()):
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         fate = f"walks at {about['mean_velocity']:.2f} m/s"
         if about["fell_at"] is not None:
             fate = f"falls after {about['fell_at']:.1f} s"
-        yield about, Film(folder / FILM, folder / POSTER, f"{about['label']}: {fate}")
+        caption = f"{about['label']}: {fate}"
+        yield about, {"path": folder / FILM, "poster": folder / POSTER, "caption": caption}
 
 
 def gaits(sources: Sources) -> Blocks:
@@ -229,34 +206,25 @@ def verification(sources: Sources) -> Blocks:
         yield Text(f"All {bounded} bounds hold.", "best")
     svg = sources.file(checks.NAME, f"{checks.NAME}.svg")
     yield Picture(svg, checks.VERIFICATION_CAPTION)
-    yield bounds_table(about["quantities"])
+    yield _bounds(about["quantities"])
 
 
-def bounds_table(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
+def _bounds(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
     """Worst value over all gaits, its bound and gait, and the median, per checked quantity."""
     heads = ["check", "quantity", "meaning", "unit", "worst", "bound", "holds"]
-    rows = [_bound(name, result) for name, result in quantities.items()]
-    return Table([*heads, "at vx, vy [m/s]", "median"], rows)
-
-
-def _bound(name: str, result: Mapping[str, Any]) -> list[Cell]:
-    quantity, bound = CHECKED[name], result["bound"]
-    sign = "≥" if quantity.at_least else "≤"
-    return [
-        Cell(str(quantity.check)),
-        Cell(f"`{name}`"),
-        Cell(quantity.meaning),
-        Cell(checks.unit(name)),
-        _three_digits(result["worst"]),
-        Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound),
-        Cell(_HOLDS[result["passed"]], failed=result["passed"] is False),
-        Cell(place(result)),
-        _three_digits(result["median"]),
-    ]
-
-
-def _three_digits(value: float | None) -> Cell:
-    return Cell("not finite") if value is None else Cell(f"{value:.3g}", value)
+    body = []
+    for name, result in quantities.items():
+        quantity, bound = CHECKED[name], result["bound"]
+        worst, median = (
+            Cell("not finite") if value is None else Cell(f"{value:.3g}", value)
+            for value in (result["worst"], result["median"])
+        )
+        sign = "≥" if quantity.at_least else "≤"
+        texts = str(quantity.check), f"`{name}`", quantity.meaning, checks.unit(name)
+        limit = Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound)
+        holds = Cell(_HOLDS[result["passed"]], failed=result["passed"] is False)
+        body.append([*map(Cell, texts), worst, limit, holds, Cell(place(result)), median])
+    return Table([*heads, "at vx, vy [m/s]", "median"], body)
 
 
 def learning(sources: Sources) -> Blocks:
@@ -317,12 +285,13 @@ def in_effect(configuration: Mapping[str, Any], where: str) -> str:
 
 def provenance(sources: Sources) -> Blocks:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
+    times = sources.job.input_volatile
     jobs = [
         job
-        for name, origins in sources.origins.items()
-        for job in zip(origins, sources.times[name], sources.inputs[name], strict=True)
+        for name, origins in sources.section["origins"].items()
+        for job in zip(origins, times[name], sources.inputs[name], strict=True)
     ]
-    return origins_report.blocks(sources.configuration, jobs, sources.page)
+    return origins_report.blocks(sources.configuration, jobs, sources.job.volatile)
 
 
 def _protocol(name: str, sources: Sources) -> Blocks:

@@ -6,6 +6,7 @@ Import this module after ``MUJOCO_GL`` is set: MuJoCo picks its renderer when it
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -16,9 +17,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.evaluation import VideoConfig
+from slider.config.robot import RobotConfig
+from slider.core.errors import UserError
 from slider.env.height_field import Ground
 from slider.env.rollout import Frame
-from slider.robot.scene import Relief, aim
+from slider.robot.scene import Relief, aim, build_scene
 
 _DISTANCE = 2.15  # of the camera [m]
 _BELOW = 0.25  # the base, what the camera looks at [m]
@@ -39,51 +42,52 @@ def relief(ground: Ground, frames: Sequence[Frame]) -> Relief:
 
 
 def render(
-    model: mujoco.MjModel,
+    robot: RobotConfig,
     frames: Sequence[Frame],
     size: tuple[int, int],
     cameras: Sequence[str],
-) -> Iterator:
+    relief: Relief | None = None,
+) -> Iterator[np.ndarray]:
     """Pictures (height, width, 3) uint8 of a robot, from cameras that follow it.
 
     Args:
-        model: the scene.
+        robot: its parameters.
         frames: what to show.
         size: width and height of a picture [pixel].
         cameras: names in ``CAMERAS``; what they see stands next to each other.
+        relief: ground in place of the flat floor.
+
+    Raises:
+        UserError: nothing can be rendered on this machine.
     """
     width, height = size
-    data, views = mujoco.MjData(model), [_camera(name) for name in cameras]
-    position = frames[0].qpos[:3].copy()
-    with mujoco.Renderer(model, height, width // len(views)) as renderer:
-        before = frames[0].time
-        for frame in frames:
-            gain = 1.0 - np.exp(-(frame.time - before) / _FOLLOW)
-            position += gain * (frame.qpos[[0, 1, 2]] - position)
-            before = frame.time
-            data.qpos[:] = frame.qpos
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_camlight(model, data)
-            yield np.hstack([_look(renderer, data, view, position) for view in views])
-
-
-def _camera(name: str) -> mujoco.MjvCamera:
-    camera = mujoco.MjvCamera()
-    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    aim(camera, name, _DISTANCE)
-    return camera
-
-
-def _look(
-    renderer: mujoco.Renderer,
-    data: mujoco.MjData,
-    camera: mujoco.MjvCamera,
-    position: np.ndarray,
-) -> np.ndarray:
-    """What a camera sees that follows a place (3,) [m]."""
-    camera.lookat[:] = position - [0.0, 0.0, _BELOW]
-    renderer.update_scene(data, camera)
-    return renderer.render()
+    model = build_scene(robot, width, height, relief)
+    data, views = mujoco.MjData(model), []
+    for name in cameras:
+        views.append(mujoco.MjvCamera())
+        views[-1].type = mujoco.mjtCamera.mjCAMERA_FREE
+        aim(views[-1], name, _DISTANCE)
+    position, before = frames[0].qpos[:3].copy(), frames[0].time
+    try:
+        with mujoco.Renderer(model, height, width // len(views)) as renderer:
+            for frame in frames:
+                gain = 1.0 - np.exp(-(frame.time - before) / _FOLLOW)
+                position += gain * (frame.qpos[[0, 1, 2]] - position)
+                before = frame.time
+                data.qpos[:] = frame.qpos
+                mujoco.mj_kinematics(model, data)
+                mujoco.mj_camlight(model, data)
+                pictures = []
+                for view in views:
+                    view.lookat[:] = position - [0.0, 0.0, _BELOW]
+                    renderer.update_scene(data, view)
+                    pictures.append(renderer.render())
+                yield np.hstack(pictures)
+    except (ImportError, RuntimeError, AttributeError, mujoco.FatalError) as error:  # bad OpenGL
+        raise UserError(
+            f"expected to render with {os.environ.get('MUJOCO_GL', 'a display')}, found: {error}; "
+            "MUJOCO_GL=osmesa may work, and report.video.renderer=none makes a page without videos"
+        ) from None
 
 
 def annotate(picture: np.ndarray, title: str, facts: Sequence[str], alarm: bool) -> Image.Image:

@@ -17,7 +17,7 @@ from slider.reports.figures.gauge import draw, pass_rate
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE
 from slider.reports.rows import Row, by
-from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
 
 NUMBER = "gauge number"
 _CAPTION = """\
@@ -87,19 +87,16 @@ def blocks(rows: Sequence[Row], svg: Path) -> Iterator[Written]:
     yield Picture(svg)
     body = [[Cell(_title(axis)), *map(_level, mine)] for axis, mine in by(rows, "axis").items()]
     yield Table(["axis", *by(rows, "label")], body)
-    for label, mine in by(rows, "label").items():
-        yield _rates(label, [row for row in mine if row["axis"] != NUMBER])
-
-
-def _rates(label: str, rows: Sequence[Row]) -> Table:
-    """Pass rates [%], axes down, levels across."""
     names = [name for name in rows[0] if name.startswith("pass_")]
-    body = []
-    for row in rows:
-        texts = [NONE if math.isnan(row[name]) else f"{100 * row[name]:.0f}" for name in names]
-        body.append([Cell(_title(row["axis"])), *(Cell(text) for text in texts)])
     heads = ["robots that pass [%] at level", *(name.removeprefix("pass_") for name in names)]
-    return Table(heads, body, label)
+    for label, mine in by(rows, "label").items():
+        body = [
+            [_title(row["axis"])]
+            + [NONE if math.isnan(row[name]) else f"{100 * row[name]:.0f}" for name in names]
+            for row in mine
+            if row["axis"] != NUMBER
+        ]
+        yield grid(heads, body, label)
 
 
 def _title(axis: str) -> str:

@@ -9,8 +9,6 @@ from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from slider.config.convert import from_dict
-from slider.config.evaluation import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports import contents
 from slider.reports.contents import Sources
@@ -31,22 +29,13 @@ class Content(NamedTuple):
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``index.html`` with the configured sections, each from its declared inputs."""
-    report = from_dict(ReportConfig, section["report"])
-    sources = Sources(
-        report=report,
-        configuration=section["configuration"],
-        labels=section["labels"],
-        origins=section["origins"],
-        inputs=inputs,
-        times=job.input_volatile,
-        page=job.volatile,
-        out=out,
-    )
-    shown = {name: content(name, sources) for name in report.sections}
+    report = section["report"]
+    sources = Sources(section, inputs, out, job)
+    shown = {name: content(name, sources) for name in report["sections"]}
     page = render(_TITLE, _facts(sources), shown)
     (out / PAGE).write_text(page, encoding="utf-8")
     job.tracker.log_file(out / PAGE)
-    return {"sections": report.sections, "megabytes": round(len(page.encode()) / 1e6, 1)}
+    return {"sections": report["sections"], "megabytes": round(len(page.encode()) / 1e6, 1)}
 
 
 def content(name: str, sources: Sources) -> Content:
@@ -87,17 +76,16 @@ def _facts(sources: Sources) -> dict[str, str]:
     """Robot, controllers, commanded speeds, and amounts of evaluation and training."""
     configuration = sources.configuration
     evaluation = configuration["evaluation"]
-    trainings = (configuration["train"]["walking"], configuration["finetuning"] or {})
-    samples = sum(map(_samples, trainings))
+    sizes = ("iterations", "robots", "steps_per_iteration")
+    samples = sum(  # control steps of both trainings, or of one
+        math.prod(train.get(name, 0) for name in sizes)
+        for train in (configuration["train"]["walking"], configuration["finetuning"] or {})
+    )
+    labels = sources.section["labels"]
     return {
         "robot": configuration["robot"]["name"],
-        "controllers": " · ".join(sources.labels[name] for name in evaluation["controllers"]),
+        "controllers": " · ".join(labels[name] for name in evaluation["controllers"]),
         "commanded speeds": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
         "robots per speed": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",
     }
-
-
-def _samples(train: Mapping[str, Any]) -> int:
-    """Control steps of a training, or of none."""
-    return math.prod(train.get(n, 0) for n in ("iterations", "robots", "steps_per_iteration"))

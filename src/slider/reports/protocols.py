@@ -7,7 +7,6 @@ A protocol is of constant speeds (``sweep``), of segments of one case (``joystic
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -21,9 +20,9 @@ from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
 from slider.reports import rows as tables
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES, speed_text
+from slider.reports.quantities import QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
-from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
 from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
@@ -88,7 +87,7 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     if not evaluations:
         expected = "at least one of evaluation.speeds"
         raise UserError(f"report.tracking_speeds: expected {expected}, found {speeds}")
-    rows = [row for one in evaluations for row in tracking_rows(one, period)]
+    rows = [row for one in evaluations for row in _tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
     shown += undrawn(evaluations, speeds)
     draw = partial(walking.draw_tracking, evaluations, period)
@@ -97,14 +96,12 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     return {"rows": len(rows)}
 
 
-def tracking_rows(one: Evaluation, period: float) -> list[Row]:
+def _tracking_rows(one: Evaluation, period: float) -> Iterator[Row]:
     """A row per control step: the time of its end [s], mean and spread over survivors [m/s]."""
-    about = tables.named(one) | {"speed": one.speed}
-    values = np.full_like(one.velocity, NAN) if _all_fell(one) else one.velocity
-    return [
-        about | {"time": period * step, "mean_velocity": mean, "mean_velocity_spread": spread}
-        for step, (mean, spread) in enumerate(values.tolist(), start=1)
-    ]
+    values = one.velocity if one.robots.survived.any() else np.full_like(one.velocity, NAN)
+    for step, (mean, spread) in enumerate(values.tolist(), start=1):
+        row = tables.named(one) | {"speed": one.speed, "time": period * step}
+        yield row | {"mean_velocity": mean, "mean_velocity_spread": spread}
 
 
 def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[Written]:
@@ -116,27 +113,21 @@ def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Itera
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.speed is not None and one.speed in speeds and _all_fell(one)
+        if one.speed is not None and one.speed in speeds and not one.robots.survived.any()
     ]
     if fallen:
         yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
 
 
-def _all_fell(one: Evaluation) -> bool:
-    return not one.robots.survived.any()
-
-
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md`` and ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    evaluations, kind = (
-        tables.evaluations(inputs["evaluations"], section["labels"]),
-        _kind(protocol),
-    )
-    rows = list(kind.rows(evaluations, protocol))
+    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    title, _, rows_of, draw, _ = _KINDS[_kind(protocol)]
+    rows = list(rows_of(evaluations, protocol))
     shown = list(blocks(name, out / f"{name}.svg", evaluations, protocol))
-    draw = partial(kind.draw, rows, evaluations, protocol)
-    _write(out / name, (kind.title, section["robot"]), rows, draw, shown, job)
+    figure = partial(draw, rows, evaluations, protocol)
+    _write(out / name, (title, section["robot"]), rows, figure, shown, job)
     if protocol.profile is not None:
         # Of all cases, or at the end.
         pick = min if protocol.profile.rows == "cases" else lambda rates: rates[-1]
@@ -170,13 +161,17 @@ def blocks(
     name: str, svg: Path, evaluations: Sequence[Evaluation], protocol: EvaluationConfig
 ) -> Iterator[Written]:
     """The figure of a protocol, its explanation and its tables."""
-    kind, profile = _kind(protocol), protocol.profile
+    _, caption, rows_of, _, tables_of = _KINDS[_kind(protocol)]
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
-    if profile:
+    if profile := protocol.profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
     yield Picture(svg)
-    yield Text(kind.caption.format(**vars(protocol), **values))
-    yield from kind.tables(list(kind.rows(evaluations, protocol)))
+    yield Text(caption.format(**vars(protocol), **values))
+    yield from tables_of(list(rows_of(evaluations, protocol)))
+
+
+def _kind(protocol: EvaluationConfig) -> str:
+    return protocol.profile.rows if protocol.profile else "speeds"
 
 
 def _speed_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
@@ -189,7 +184,7 @@ def _speed_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -
 
 def _speed_tables(rows: Sequence[Row]) -> Iterator[Table]:
     """What is tracked, mean speeds with their spread between robots, and the metrics."""
-    yield highest_table(rows)
+    yield _highest_table(rows)
     cells = {}
     for row in rows:
         mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
@@ -216,16 +211,16 @@ def _tracked(row: Row) -> bool:
     return row["tracking_rate"] >= TRACKED_SHARE
 
 
-def highest_table(rows: Sequence[Row]) -> Table:
+def _highest_table(rows: Sequence[Row]) -> Table:
     """Highest speed that each controller tracks, and lower ones that it does not."""
-    highest, body = highest_tracked(rows), []
-    for mine in by(rows, "controller").values():
-        top = highest[mine[0]["controller"]]
+    body = []
+    for controller, top in highest_tracked(rows).items():
+        mine = by(rows, "controller")[controller]
         lost = [row["speed"] for row in mine if not _tracked(row)]
         lower = ", ".join(speed_text(value) for value in lost if value < (top or 0.0)) or "none"
         body.append([mine[0]["label"], "none" if top is None else speed_text(top), lower])
     heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
-    return Table(heads, [[Cell(text) for text in line] for line in body])
+    return grid(heads, body)
 
 
 def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
@@ -234,7 +229,7 @@ def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
     for one in evaluations:
         for segment, robots in zip(case.segments, one.segments, strict=True):
             row = tables.named(one) | {"segment": segment.name, "time": segment.time}
-            row |= _commands(segment) | tables.success(robots)
+            row |= _commands(segment) | robots.success()
             yield row | {name: robots.mean(name) for name in MEASURES}
 
 
@@ -266,7 +261,7 @@ def _case_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) ->
         *others, final = cases[str(one.case)].segments
         last, commands = one.segments[-1], _commands(final)
         row = tables.named(one) | {"case": one.case, "seconds": protocol.duration}
-        row |= {"vx_before": others[-1].vx if others else NAN} | commands | tables.success(last)
+        row |= {"vx_before": others[-1].vx if others else NAN} | commands | last.success()
         row |= {name: last.mean(measure) for name, measure in MEANS.items()}
         stops = not any(commands.values())
         yield row | (_standing(last) if stops else dict.fromkeys(STOPPED, NAN))
@@ -276,43 +271,10 @@ def _standing(robots: Robots) -> Row:
     """Share of all robots that survived and stood; of survivors the fastest, and the drift [m]."""
     fastest, drift = robots.survivors("fastest"), robots.survivors("displacement")
     standing, count = int((fastest < STANDING).sum()), len(robots.survived)
-    values = (
-        standing / count,
-        *wilson(standing, count),
-        float(fastest.max()) if len(fastest) else NAN,
-        robots.mean("displacement"),
-        float(drift.max()) if len(drift) else NAN,
-    )
+    fast, far = (float(values.max()) if len(values) else NAN for values in (fastest, drift))
+    ends = wilson(standing, count)
+    values = (standing / count, *ends, fast, robots.mean("displacement"), far)
     return dict(zip(STOPPED, values, strict=True))
-
-
-def _case_tables(rows: Sequence[Row]) -> Iterator[Table]:
-    """Of each controller constant speeds, standing and sideways, without empty tables."""
-    for label, mine in by(rows, "label").items():
-        for title, columns in _CASE_COLUMNS.items():
-            names = ("success_rate", *columns)
-            body = [
-                [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
-                + [_case_cell(row, name) for name in names]
-                for row in mine
-                if _case_title(row) == title
-            ]
-            heads = [QUANTITIES[MEANS.get(name, name)].heading for name in names]
-            if body:
-                yield Table(["case", "time [s]", *heads], body, f"{title}, {label}")
-
-
-def _case_title(row: Row) -> str:
-    if row["vy_command"] != 0:
-        return "Sideways"
-    return _CONSTANT if np.isnan(row["standing_rate"]) else _STANDS
-
-
-def _case_cell(row: Row, name: str) -> Cell:
-    quantity, ends = QUANTITIES[MEANS.get(name, name)], name.removesuffix("_rate")
-    if ends == name:
-        return Cell.of(quantity, row[name])
-    return Cell(quantity.between(row[name], row[f"{ends}_low"], row[f"{ends}_high"]), row[name])
 
 
 _CONSTANT, _STANDS = "Constant speeds", f"Standing (slower than {STANDING:g} m/s)"
@@ -323,29 +285,44 @@ _CASE_COLUMNS = {
 }
 
 
-class _Kind(NamedTuple):
-    """A kind of protocols: its rows from evaluations, and what shows them."""
+def _case_tables(rows: Sequence[Row]) -> Iterator[Table]:
+    """Of each controller constant speeds, standing and sideways, without empty tables."""
+    for label, mine in by(rows, "label").items():
+        for title, columns in _CASE_COLUMNS.items():
+            shown = {name: QUANTITIES[MEANS.get(name, name)] for name in ("success_rate", *columns)}
+            body = [
+                [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
+                + [_case_cell(quantity, row, name) for name, quantity in shown.items()]
+                for row in mine
+                if _case_title(row) == title
+            ]
+            if body:
+                heads = ["case", "time [s]", *(quantity.heading for quantity in shown.values())]
+                yield Table(heads, body, f"{title}, {label}")
 
-    title: str
-    caption: str
-    rows: Callable[[Sequence[Evaluation], EvaluationConfig], Iterable[Row]]
-    draw: Callable[[list[Row], Sequence[Evaluation], EvaluationConfig], Figure]
-    tables: Callable[[list[Row]], Iterable[Table]]
+
+def _case_title(row: Row) -> str:
+    if row["vy_command"] != 0:
+        return "Sideways"
+    return _CONSTANT if np.isnan(row["standing_rate"]) else _STANDS
 
 
-def _kind(protocol: EvaluationConfig) -> _Kind:
-    return _KINDS[protocol.profile.rows if protocol.profile else "speeds"]
+def _case_cell(quantity: Quantity, row: Row, name: str) -> Cell:
+    """A share with its interval."""
+    prefix = name.removesuffix("_rate")
+    ends = (row.get(f"{prefix}_{end}", NAN) for end in ("low", "high"))
+    return Cell(quantity.between(row[name], *ends), row[name] if row[name] == row[name] else "")
 
 
-_KINDS = {
-    "speeds": _Kind(
+_KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {
+    "speeds": (
         "Mean speed over the commanded speed",
         _SPEEDS_CAPTION,
         _speed_rows,
         lambda rows, evaluations, protocol: walking.draw_speeds(rows),
         _speed_tables,
     ),
-    "segments": _Kind(
+    "segments": (
         "Changing commands",
         _SEGMENTS_CAPTION,
         _segment_rows,
@@ -354,7 +331,7 @@ _KINDS = {
         ),
         _segment_tables,
     ),
-    "cases": _Kind(
+    "cases": (
         "Cases",
         _CASES_CAPTION,
         _case_rows,
@@ -362,3 +339,4 @@ _KINDS = {
         _case_tables,
     ),
 }
+"""Kind of protocols → title, caption, rows from evaluations, figure and tables of the rows."""

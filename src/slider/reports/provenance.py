@@ -1,9 +1,8 @@
 """Provenance of the results: commit, configuration, recipes, versions, seeds, machine, times."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pandas as pd
 import yaml
@@ -36,21 +35,11 @@ _STAGES = {  # in the order in which they run; others follow
 }
 
 
-@dataclass(frozen=True)
-class Details:
-    """A table or a text that opens by a click."""
-
-    kind: ClassVar = "details"
-    summary: str
-    table: Table | None = None
-    text: str = ""
-
-
 def blocks(
     configuration: Mapping[str, Any],
     jobs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any], Path]],
     page: Mapping[str, Any],
-) -> Iterator[Text | Table | Details]:
+) -> Iterator[Text | Table | dict[str, Any]]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
     Args:
@@ -66,34 +55,36 @@ def blocks(
     machines = _machines(table)
     yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
     yield _seeds(configuration)
-    yield Details("Versions of packages", grid(["package", "version"], sorted(versions.items())))
+    yield _details("Versions of packages", grid(["package", "version"], sorted(versions.items())))
     recipes = table[["stage", "label", "recipe", "object", "source", "commit"]].to_numpy()
     heads = ["stage", "job", "recipe", "object", "source digest", "commit"]
-    yield Details("Recipes, objects and commits of all jobs", grid(heads, recipes.tolist()))
+    yield _details("Recipes, objects and commits of all jobs", grid(heads, recipes.tolist()))
     text = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
-    yield Details("Resolved configuration", text=str(text))
+    yield _details("Resolved configuration", text=text)
+
+
+def _details(summary: str, table: Table | None = None, text: str = "") -> dict[str, Any]:
+    """A table or a text that opens by a click."""
+    return {"kind": "details", "summary": summary, "table": table, "text": text}
 
 
 def _table(
     jobs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any], Path]], started: str | None
 ) -> pd.DataFrame:
     """A row per result, each once, by stage; computed now: by the run that builds the page."""
+    nothing = {"machine": _UNKNOWN, "resumed": False, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
     rows = [
         {
-            "stage": origin["stage"],
-            "label": origin["label"],
+            **nothing,
+            **facts,
+            **origin,
             "recipe": origin["recipe"][:16],
             "object": folder.name[:16],
             "source": origin["source"][:12],
             "commit": _commit(facts),
-            "machine": facts.get("machine", _UNKNOWN),
             "now": bool(facts.get("computed"))
             and started is not None
             and facts.get("pipeline_started") == started,
-            "resumed": bool(facts.get("resumed")),
-            "wall_s": facts.get("wall_s", 0.0),
-            "cpu_s": facts.get("cpu_s", 0.0),
-            "ended": facts.get("ended", ""),
         }
         for origin, facts, folder in jobs
     ]
@@ -117,15 +108,14 @@ def _stages(table: pd.DataFrame) -> Table:
     heads = ["stage", "jobs", "computed now", "resumed", "wall time [s]", "CPU time [s]"]
     body = []
     for stage, jobs in table.groupby("stage", sort=False):
-        column = {name: jobs[name].tolist() for name in jobs}
-        counts = (len(jobs), sum(column["now"]), sum(column["resumed"]))
-        times = (sum(column[name]) for name in ("wall_s", "cpu_s"))
-        ended = max(column["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
+        counts = (len(jobs), sum(jobs["now"].tolist()), sum(jobs["resumed"].tolist()))
+        times = (sum(jobs[name].tolist()) for name in ("wall_s", "cpu_s"))
+        ended = max(jobs["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
         body.append(
             [Cell(stage_title(str(stage)))]
             + [Cell(str(count), count) for count in counts]
             + [Cell(f"{seconds:.1f}", seconds) for seconds in times]
-            + [Cell(ended), Cell(", ".join(sorted(set(column["commit"]))))]
+            + [Cell(ended), Cell(", ".join(sorted(set(jobs["commit"]))))]
         )
     return Table([*heads, "finished (UTC)", "commit"], body)
 

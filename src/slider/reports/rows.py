@@ -8,7 +8,7 @@ from typing import IO, Any
 import numpy as np
 import pandas as pd
 
-from slider.evaluation.results import ERRORS, QUALITY, Estimate, Evaluation, Robots
+from slider.evaluation.results import ERRORS, QUALITY, Evaluation
 from slider.library.blend import GaitNumbers, gait_numbers
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports.quantities import OURS
@@ -54,13 +54,8 @@ def evaluations(folders: Iterable[Path], labels: Mapping[str, str]) -> list[Eval
 
 def table_row(evaluation: Evaluation) -> Row:
     """Success, tracking and errors; spreads are standard deviations over trials."""
-    robots = evaluation.robots
-    row = named(evaluation) | {"source": OURS}
-    row |= {"speed": evaluation.speed} | success(robots)
-    for name in ("tracking_rate", "mse", "mse_steady"):
-        estimate: Estimate = getattr(robots, name)
-        row |= {name: estimate.value, f"{name}_std": estimate.spread}
-    return row
+    row = named(evaluation) | {"source": OURS, "speed": evaluation.speed}
+    return row | evaluation.robots.success() | evaluation.robots.accuracy()
 
 
 def named(evaluation: Evaluation) -> Row:
@@ -68,27 +63,23 @@ def named(evaluation: Evaluation) -> Row:
     return dict(zip(NAMED, (evaluation.controller, evaluation.label), strict=True))
 
 
-def success(robots: Robots) -> Row:
-    """Share of robots that survived, its spread over trials, and Wilson's 95 % interval."""
-    estimate = robots.success
-    low, high = estimate.interval or (NAN, NAN)
-    names = ("success_rate", "success_rate_std", "success_low", "success_high")
-    return dict(zip(names, (estimate.value, estimate.spread, low, high), strict=True))
-
-
-def quality_row(evaluation: Evaluation) -> Row:
+def quality_row(evaluation: Evaluation, reference: Reference | None = None) -> Row:
     """How the robots that survive walk; NaN where none survived.
 
     Means over robots, but for extremes, which are those of all robots: ``peak_effort``,
     ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean of the robots'
     largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
-    the shares of robots whose legs ever touch or cross.
+    the shares of robots whose legs ever touch or cross. Given a ``reference``, the gait's own
+    numbers are beside the controller's, as ``reference_NAME``; NaN without one.
     """
     row = named(evaluation) | {"speed": evaluation.speed}
+    gait = reference(evaluation.speed) if reference and evaluation.speed is not None else None
     for name in ("mean_velocity", *QUALITY, *ERRORS):
         values = evaluation.robots.survivors(name)
         for column, number in _COLUMNS.get(name, {name: np.mean}).items():
             row[column] = float(number(values)) if len(values) else NAN
+            if reference and column in GaitNumbers._fields:
+                row[f"reference_{column}"] = NAN if gait is None else getattr(gait, column)
     return row
 
 
@@ -106,17 +97,6 @@ _COLUMNS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
     "legs_touch": {"legs_touch": np.mean, "robots_touch": _ever},
     "legs_cross": {"legs_cross": np.mean, "robots_cross": _ever},
 }
-
-
-def with_reference(quality: Row, reference: Reference) -> Row:
-    """The gait's own numbers beside the controller's, as ``reference_NAME``; NaN without one."""
-    gait = reference(quality["speed"])
-    row: Row = {}
-    for name, value in quality.items():
-        row[name] = value
-        if name in GaitNumbers._fields:
-            row[f"reference_{name}"] = NAN if gait is None else getattr(gait, name)
-    return row
 
 
 def reference_gaits(folders: Sequence[Path]) -> Reference:

@@ -22,7 +22,7 @@ from slider.reports import rows
 from slider.reports.figures import study as figure
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity, speed_text
-from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
 from slider.training.results import Training
 
 WALKS = 0.95
@@ -71,21 +71,15 @@ def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
         checks = Training.load(folder).checks
         columns = {"samples": checks["iteration"] * batch, **{n: checks[n] for n in _CHECKS}}
         tables.append(pd.DataFrame({"variant": variant, "seed": seed, **columns}))
-    return pd.concat(tables) if tables else pd.DataFrame(columns=["variant", "seed", "samples"])
+    columns = ["variant", "seed", "samples", *_CHECKS]
+    return pd.concat(tables) if tables else pd.DataFrame(columns=columns)
 
 
 def _walks(curves: pd.DataFrame) -> pd.DataFrame:
     """Samples until a training first walks; ∞ for never."""
-    walks = [
-        {"variant": variant, "seed": seed, "samples_to_walk": _first_walk(mine)}
-        for (variant, seed), mine in curves.groupby(["variant", "seed"], sort=False)
-    ]
-    return pd.DataFrame(walks, columns=[*KEYS, "samples_to_walk"])
-
-
-def _first_walk(checks: pd.DataFrame) -> float:
-    walks = checks.loc[checks["success"] >= WALKS, "samples"]
-    return float(walks.iloc[0]) if len(walks) else np.inf
+    samples = curves["samples"].where(curves["success"] >= WALKS, np.inf)
+    walks = curves[["variant", "seed"]].assign(samples_to_walk=samples)
+    return walks.groupby(["variant", "seed"], sort=False)["samples_to_walk"].min().reset_index()
 
 
 def _policies(section: Section, inputs: Inputs) -> pd.DataFrame:
@@ -94,8 +88,7 @@ def _policies(section: Section, inputs: Inputs) -> pd.DataFrame:
     table = []
     for key, folder in _items(section, inputs, "evaluations"):
         evaluation = Evaluation.load(folder)
-        row = rows.table_row(evaluation)
-        row |= rows.with_reference(rows.quality_row(evaluation), reference)
+        row = rows.table_row(evaluation) | rows.quality_row(evaluation, reference)
         for name in (*rows.NAMED, "source", "speed"):
             del row[name]
         table.append(dict(zip(KEYS, key, strict=True)) | row)
@@ -185,20 +178,14 @@ def summarise(
 
 def _statistics(metric: str, runs: pd.DataFrame) -> dict[str, float]:
     values = runs[metric].to_numpy(float)
-    low, high = _interval(values)
+    std, low, high = _spread(values)
     if metric in _EITHER and len(values) > 1:
         low, high = wilson(int(values.sum()), len(values))
     elif len(values) == 1 and metric in _GIVEN:
         low, high = (float(runs[name].iloc[0]) for name in _GIVEN[metric])
-    return {
-        "count": len(values),
-        "mean": float(values.mean()),
-        "std": float(values.std(ddof=1)) if _spreads(values) else np.nan,
-        "least": float(values.min()),
-        "greatest": float(values.max()),
-        "low": low,
-        "high": high,
-    }
+    edges = values.min(), values.max()
+    row = (len(values), values.mean(), std, *edges, low, high)
+    return dict(zip(STATISTICS, row, strict=False))
 
 
 def _change(own: pd.Series, reference: pd.Series) -> dict[str, float]:
@@ -207,28 +194,19 @@ def _change(own: pd.Series, reference: pd.Series) -> dict[str, float]:
         differences = (own - base).dropna().to_numpy(float)
     if not len(differences):
         return {}
-    change = float(differences.mean())
-    low, high = _interval(differences)
-    size = float(np.mean(base))
+    change, size = float(differences.mean()), float(np.mean(base))
+    _, low, high = _spread(differences)
     relative = change / abs(size) if size and np.isfinite(size) else np.nan
-    return {
-        "change": change,
-        "change_low": low,
-        "change_high": high,
-        "relative_change": relative,
-    }
+    return dict(zip(STATISTICS[7:], (change, low, high, relative), strict=True))
 
 
-def _interval(values: np.ndarray) -> tuple[float, float]:
-    """95 % interval of the mean by Student's t; NaN for a single value."""
-    if not _spreads(values):
-        return np.nan, np.nan
-    half = stdtrit(len(values) - 1, 0.975) * values.std(ddof=1) / np.sqrt(len(values))
-    return float(values.mean() - half), float(values.mean() + half)
-
-
-def _spreads(values: np.ndarray) -> bool:
-    return len(values) > 1 and bool(np.isfinite(values).all())
+def _spread(values: np.ndarray) -> tuple[float, float, float]:
+    """Standard deviation, and the mean's 95 % interval by Student's t; NaN of a single value."""
+    if len(values) < 2 or not np.isfinite(values).all():
+        return np.nan, np.nan, np.nan
+    mean, std = float(values.mean()), float(values.std(ddof=1))
+    half = float(stdtrit(len(values) - 1, 0.975) * std / np.sqrt(len(values)))
+    return std, mean - half, mean + half
 
 
 def strongest(summary: pd.DataFrame) -> pd.DataFrame:
@@ -262,16 +240,14 @@ def blocks(name: str, folder: Path) -> Iterator[Written]:
 
 
 def _variants(summary: pd.DataFrame) -> Table:
+    heads = ["variant", "overrides", "not compared"]
+    variants = summary.drop_duplicates("variant").fillna({"changes": "", "note": ""})
     body = [
-        [Cell(row.label), Cell(" ".join(f"`{text}`" for text in _words(row.changes)) or "none")]
-        + [Cell(" ".join(_words(row.note)))]
-        for row in summary.drop_duplicates("variant").itertuples()
+        [row.label, " ".join(f"`{text}`" for text in row.changes.split()) or "none"]
+        + [" ".join(row.note.split())]
+        for row in variants.itertuples()
     ]
-    return Table(["variant", "overrides", "not compared"], body)
-
-
-def _words(text: object) -> list[str]:
-    return text.split() if isinstance(text, str) else []
+    return grid(heads, body)
 
 
 def _table(metric: Quantity, summary: pd.DataFrame) -> Table:

@@ -50,11 +50,6 @@ class Table:
         return pd.DataFrame(rows, columns=list(self.columns), dtype=str)
 
     @property
-    def terminal(self) -> str:
-        """Lines of aligned columns."""
-        return self.frame().to_string(index=False)
-
-    @property
     def markdown(self) -> str:
         """Lines without the caption; the best are bold."""
         frame = self.frame(lambda cell: f"**{cell.text}**" if cell.best else cell.text)
@@ -130,18 +125,13 @@ Written = Table | Text | Heading | Picture
 
 
 def document(title: str, robot: str, blocks: Iterable[Written]) -> str:
-    """A Markdown document about a robot, by its name."""
-    return f"# {title}\n\nRobot: {robot}\n\n{markdown(blocks)}\n"
-
-
-def markdown(blocks: Iterable[Written], caption: str = "## {}") -> str:
-    """Blocks below each other, captions as headings."""
-    parts: list[str] = []
+    """A Markdown document about a robot, by its name: blocks below each other."""
+    parts = [f"# {title}", f"Robot: {robot}"]
     for block in blocks:
         if isinstance(block, Table) and block.caption:
-            parts.append(caption.format(block.caption))
+            parts.append(Heading(block.caption).markdown)
         parts.append(block.markdown.strip("\n"))
-    return "\n\n".join(parts)
+    return "\n\n".join(parts) + "\n"
 
 
 def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> Table:

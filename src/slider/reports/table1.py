@@ -86,7 +86,7 @@ def table_rows(evaluations: Sequence[Evaluation]) -> list[Row]:
 
 def _quality_rows(evaluations: Sequence[Evaluation], library: Sequence[Path]) -> list[Row]:
     reference = tables.reference_gaits(library)
-    return [tables.with_reference(tables.quality_row(one), reference) for one in evaluations]
+    return [tables.quality_row(one, reference) for one in evaluations]
 
 
 def paper_rows() -> list[Row]:
@@ -144,20 +144,18 @@ def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
     lose more robots than any.
     """
     share = QUANTITIES[name].share
-    success = np.nan_to_num([row["success_rate"] if row else 0.0 for row in rows]).tolist()
-    enough = 0.0 if share else max(success) - _COMPARABLE
-    printed = {PAPER: METRICS[name]}
-    values = [row[printed.get(row["source"], name)] if row else math.nan for row in rows]
-    fair = [v == v and s >= enough for v, s in zip(values, success, strict=True)]
-    candidates = [value for value, one in zip(values, fair, strict=True) if one]
-    best = (max if share else min)(candidates, default=math.nan)
+    success = np.nan_to_num([row["success_rate"] if row else 0.0 for row in rows])
+    columns = {PAPER: METRICS[name]}
+    values = [row[columns.get(row["source"], name)] if row else math.nan for row in rows]
+    fair = ~np.isnan(values) & (share | (success >= success.max() - _COMPARABLE))
+    best = (max if share else min)(np.array(values)[fair].tolist(), default=math.nan)
     cells = [_cell(row, value, name) for row, value in zip(rows, values, strict=True)]
     if len(rows) == 1 or not math.isfinite(best):
         return cells
     digits = 3 if share else decimals(best)
     best = round(best, digits)
     return [
-        replace(cell, best=one and round(value, digits) == best)
+        replace(cell, best=bool(one) and round(value, digits) == best)
         for cell, value, one in zip(cells, values, fair, strict=True)
     ]
 
@@ -168,9 +166,8 @@ def _cell(row: Row | None, value: float, name: str) -> Cell:
         return Cell("–")
     if math.isinf(value):
         return Cell("∞", value)
-    share, spread = QUANTITIES[name].share, math.nan
-    if row["source"] != PAPER:
-        spread = row[f"{name}_std"]
+    share = QUANTITIES[name].share
+    spread = math.nan if row["source"] == PAPER else row[f"{name}_std"]
     scale, digits, unit = (100, 1, " %") if share else (1, decimals(value), "")
     text = f"{scale * value:.{digits}f}{unit}"
     if not math.isnan(spread):

@@ -10,7 +10,6 @@ from slider.config.convert import from_dict
 from slider.config.env import DisturbanceConfig, StartNoise
 from slider.config.evaluation import VideoConfig
 from slider.config.robot import RobotConfig
-from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 
 FILM, POSTER, ABOUT = "video.mp4", "poster.jpg", "about.json"
@@ -29,75 +28,43 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     import torch
 
     from slider.env.disturbance import Disturbance
-    from slider.env.rollout import Episode
+    from slider.env.rollout import Episode, mean_speed
     from slider.env.starts import at_rest
-    from slider.evaluation import stage
+    from slider.evaluation.stage import simulate
+    from slider.reports import film
 
     torch.set_num_threads(job.threads)
     robot = from_dict(RobotConfig, section["robot"])
     video = from_dict(VideoConfig, section["video"])
     noise = from_dict(StartNoise, section["start"])
     config = from_dict(DisturbanceConfig, section["disturbance"])
-    disturbance = Disturbance(config, (video.seed,))
-    simulate = stage.simulate if "walking" in inputs else stage.simulate_baseline
-    one = simulate(section, inputs, 1, disturbance)
-    episode = Episode(one.controller, one.physics, one.env)
+    one = simulate(section, inputs, 1, Disturbance(config, (video.seed,)))
+    episode = Episode(*one)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["speed"], 0.0, 0.0]]))]
-    frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
-    terrain = one.physics.terrain
-    _film(section, robot, video, frames, out, None if terrain is None else terrain.ground)
-    place = "" if terrain is None else terrain.described(0)
-    summary = _summary(section, frames) | {"terrain": place}
+    period, terrain = one.env.control_period, one.physics.terrain
+    frames += [episode.step() for _ in range(round(video.duration / period))]
+    relief = None if terrain is None else film.relief(terrain.ground, frames)
+    shown = frames[:: round(1.0 / (video.frame_rate * (frames[1].time - frames[0].time)))]
+    pictures = film.render(robot, shown, (video.width, video.height), video.cameras, relief)
+    images, fallen = [], False
+    for frame, picture in zip(shown, pictures, strict=True):
+        fallen |= frame.failed
+        title = section["label"] + (", fallen" if fallen else "")
+        facts = [
+            f"command {section['speed']:.2f} m/s",
+            f"actual {frame.velocity[0]:.2f} m/s",
+            f"t = {frame.time:.1f} s",
+        ]
+        images.append(film.annotate(picture, title, facts, fallen))
+    film.write(images, video, out / FILM)
+    poster = images[min(len(images) - 1, round(_POSTER_TIME * video.frame_rate))]
+    poster.save(out / POSTER, quality=80)
+    summary = {name: section[name] for name in ("controller", "label", "speed")}
+    summary |= {
+        "fell_at": next((frame.time for frame in frames if frame.failed), None),
+        "mean_velocity": mean_speed(frames),
+        "terrain": "" if terrain is None else terrain.described(0),
+    }
     (out / ABOUT).write_text(json.dumps(summary) + "\n", encoding="utf-8")
     return summary
-
-
-def _film(
-    section: Section, robot: RobotConfig, video: VideoConfig, frames, out: Path, ground
-) -> None:
-    from slider.reports import film
-    from slider.robot.scene import build_scene
-
-    relief = None if ground is None else film.relief(ground, frames)
-    period = frames[1].time - frames[0].time
-    shown = frames[:: round(1.0 / (video.frame_rate * period))]
-    model = build_scene(robot, video.width, video.height, relief)
-    pictures = film.render(model, shown, (video.width, video.height), video.cameras)
-    images = []
-    fallen = False
-    try:
-        for frame, picture in zip(shown, pictures, strict=True):
-            fallen |= frame.failed
-            images.append(film.annotate(picture, *_overlay(section, frame, fallen), fallen))
-    except (ImportError, RuntimeError, AttributeError) as error:  # what broken OpenGL raises
-        raise UserError(
-            f"expected to render with {video.renderer}, found: {error}; the report does "
-            "without videos after report.video.renderer=none"
-        ) from None
-    film.write(images, video, out / FILM)
-    images[min(len(images) - 1, round(_POSTER_TIME * video.frame_rate))].save(
-        out / POSTER, quality=80
-    )
-
-
-def _overlay(section: Section, frame, fallen: bool) -> tuple[str, list[str]]:
-    title = section["label"] + (", fallen" if fallen else "")
-    lines = [
-        f"command {section['speed']:.2f} m/s",
-        f"actual {frame.velocity[0]:.2f} m/s",
-        f"t = {frame.time:.1f} s",
-    ]
-    return title, lines
-
-
-def _summary(section: Section, frames) -> Summary:
-    falls = [frame.time for frame in frames if frame.failed]
-    half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
-    return {
-        "controller": section["controller"],
-        "label": section["label"],
-        "speed": section["speed"],
-        "fell_at": falls[0] if falls else None,
-        "mean_velocity": float(np.mean(half)),
-    }

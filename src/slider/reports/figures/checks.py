@@ -140,8 +140,7 @@ def draw_basins(basins: Sequence[Arrays]) -> Figure:
         axes.plot(0, 0, "+", color=MIDDLE)
         axes.grid(visible=False)
     if panels:
-        grid = np.reshape([axes for axes, _, _ in panels], (-1, 2)).T
-        figure.colorbar(mesh, ax=grid, pad=0.01, aspect=40).set_label("steps")
+        figure.colorbar(mesh, ax=figure.axes, pad=0.01, aspect=40).set_label("steps")
     return figure
 
 

@@ -61,14 +61,17 @@ class LegPair:
 
 def draw_legs(axes: Axes, geometry: Geometry, legs: LegPair, lettered: bool) -> None:
     """Draw both from the hip down, x to the right, z up; letters of eq. 1 where asked for."""
-    _line(axes, [_HIP, legs.middle, legs.ankle], DARK, width=2.0, label="virtual-knee leg")
-    exact, printed = (legs.length * _down(pitch) for pitch, _ in (legs.exact, legs.printed))
-    _line(axes, [_HIP, exact], MIDDLE, width=2.0, label="prismatic leg, exact map")
-    _line(axes, [_HIP, printed], LIGHT, "--", 1.2, "prismatic leg, eq. 1 as printed")
+    joints = np.stack([_HIP, legs.middle, legs.ankle], 1)
+    axes.plot(*joints, color=DARK, linewidth=2.0, label="virtual-knee leg")
+    for (pitch, _), colour, dash, width, label in (
+        (legs.exact, MIDDLE, "-", 2.0, "prismatic leg, exact map"),
+        (legs.printed, LIGHT, "--", 1.2, "prismatic leg, eq. 1 as printed"),
+    ):
+        leg = np.stack([_HIP, legs.length * _down(pitch)], 1)
+        axes.plot(*leg, dash, color=colour, linewidth=width, label=label)
     sole = [[-geometry.heel, -geometry.ankle_height], [geometry.toe, -geometry.ankle_height]]
     foot = np.vstack([legs.ankle, legs.ankle + sole])
     axes.add_patch(Polygon(foot, facecolor="white", edgecolor=DARK, zorder=2))
-    joints = np.stack([_HIP, legs.middle, legs.ankle], 1)
     axes.plot(*joints, "o", color=DARK, markerfacecolor="white", markersize=4.5)
     axes.set_title(f"θ = {legs.flexion:.2f} rad", fontsize=8)
     axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-0.34, 0.36))
@@ -91,18 +94,6 @@ def _mapped(
     return float(leg.hip_pitch), float(leg.ankle)
 
 
-def _line(
-    axes: Axes,
-    points: list[np.ndarray],
-    colour: str,
-    dash: str = "-",
-    width: float = 0.7,
-    label: str | None = None,
-) -> None:
-    x, z = np.stack(points, 1)
-    axes.plot(x, z, dash, color=colour, linewidth=width, label=label)
-
-
 def _letter_lengths(axes: Axes, legs: LegPair) -> None:
     for start, end, colour, text in (
         (_HIP, legs.middle, DARK, "$l_1$"),
@@ -122,7 +113,8 @@ def _letter_angles(axes: Axes, legs: LegPair) -> None:
         (legs.ankle, leg + _NORMAL, MIDDLE),
         (legs.ankle, shank + _NORMAL, DARK),
     ):
-        _line(axes, [start, start + 0.4 * legs.length * _down(pitch)], colour, ":")
+        line = np.stack([start, start + 0.4 * legs.length * _down(pitch)], 1)
+        axes.plot(*line, ":", color=colour, linewidth=0.7)
     for centre, size, first, second, colour, text in (
         (_HIP, 0.36, 0.0, leg, MIDDLE, "$q_α$"),
         (_HIP, 0.24, 0.0, thigh, DARK, "$q'_α$"),
@@ -131,14 +123,14 @@ def _letter_angles(axes: Axes, legs: LegPair) -> None:
         (legs.ankle, 0.26, shank + _NORMAL, _NORMAL, DARK, "$q'_β$"),
     ):
         low, high = sorted(np.degrees([-np.pi / 2 - first, -np.pi / 2 - second]))
-        x, z = (float(value) for value in centre)
-        axes.add_patch(Arc((x, z), size, size, theta1=low, theta2=high, color=colour))
+        axes.add_patch(
+            Arc((centre[0], centre[1]), size, size, theta1=low, theta2=high, color=colour)
+        )
         _text(axes, centre + (0.5 * size + 0.045) * _down((first + second) / 2), text, colour)
 
 
 def _text(axes: Axes, place: np.ndarray, text: str, colour: str) -> None:
-    x, z = (float(value) for value in place)
-    axes.text(x, z, text, color=colour, fontsize=7.5, ha="center", va="center")
+    axes.text(place[0], place[1], text, color=colour, fontsize=7.5, ha="center", va="center")
 
 
 def _down(pitch: float) -> np.ndarray:
@@ -148,7 +140,6 @@ def _down(pitch: float) -> np.ndarray:
 
 _START = 0.1  # knee flexion from which speed errors add up [rad]
 _STOP = 1.75
-_VARIANTS = ("paper", "exact")
 _KNEES = [KNEE_JOINTS.index(f"{side}_knee") for side in SIDES]
 _POSTURES = 4
 _LOOKS = ((DARK, "-"), (MIDDLE, "--"))
@@ -225,12 +216,11 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
         ``hip``, ``ankle`` [rad] and ``slide`` [m] of positions; ``hip_rate``, ``ankle_rate``
         [rad/rad] and ``slide_rate`` [m/rad] of velocities per knee speed.
     """
-    zero = np.zeros_like(theta)
-    places = [knee_map.positions(zero, theta, zero, l1, l2, v) for v in _VARIANTS]
-    rates = [knee_map.velocities(zero, theta, zero + 1, zero, l1, l2, v) for v in _VARIANTS]
+    zero, variants = np.zeros_like(theta), ("paper", "exact")
+    places = [knee_map.positions(zero, theta, zero, l1, l2, v) for v in variants]
+    rates = [knee_map.velocities(zero, theta, zero + 1, zero, l1, l2, v) for v in variants]
     errors = {}
     for suffix, (printed, exact) in (("", places), ("_rate", rates)):
-        errors[f"hip{suffix}"] = printed.hip_pitch - exact.hip_pitch
-        errors[f"ankle{suffix}"] = printed.ankle - exact.ankle
-        errors[f"slide{suffix}"] = printed.length - exact.length
+        for name, part in (("hip", "hip_pitch"), ("ankle", "ankle"), ("slide", "length")):
+            errors[name + suffix] = getattr(printed, part) - getattr(exact, part)
     return errors

@@ -53,7 +53,10 @@ class JournalTracker:
 
     def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
         """Record scalar metrics at a step."""
-        self._append(METRICS, lambda: {"step": int(step), "values": _floats(metrics)})
+        self._append(
+            METRICS,
+            lambda: {"step": int(step), "values": {k: float(v) for k, v in metrics.items()}},
+        )
 
     def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
         """Record columns of equal length as a table."""
@@ -88,10 +91,6 @@ def current_session(artefacts: Path) -> Path | None:
         return None
     session = artefacts / "tracking" / name
     return session if (session / SESSION_FILE).is_file() else None
-
-
-def _floats(metrics: Mapping[str, float]) -> dict[str, float]:
-    return {name: float(value) for name, value in metrics.items()}
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE, Session
 
 DATABASE = "mlflow.db"  # below artefacts/
 _PERIOD = 1.0  # between two looks at the journals [s]
-_BATCHES = {"metrics": 900, "params": 90}  # in one request; MLflow takes 1000 and 100
 _MAX_PARAM = 5000  # characters of a parameter's value
 _PARENT_TAG = "mlflow.parentRunId"
 _NOTE_TAG = "mlflow.note.content"
@@ -110,7 +109,11 @@ class _Session:
 
     def _update_journal(self, path: Path) -> None:
         position = self._position(path.stem)
-        events, offset = _read_events(path, position.offset)
+        with path.open("rb") as file:
+            file.seek(position.offset)
+            content = file.read()
+        lines = content[: content.rfind(b"\n") + 1]  # whole ones
+        events = [json.loads(line) for line in lines.splitlines()]
         if not events:
             return
         metrics = [event for event in events if event["event"] == METRICS]
@@ -120,7 +123,7 @@ class _Session:
                 metrics = []
             self._try(self._handle, event, position, path.stem)
         self._try(self._log_metrics, position.run, metrics)
-        position.offset = offset
+        position.offset += len(lines)
         state = {name: vars(position) for name, position in self._positions.items()}
         files.write_json(self._state_path, state)
 
@@ -134,52 +137,43 @@ class _Session:
             _log.warning("%s: %s", self._folder.name, error)
 
     def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:
-        client = self._client
+        from mlflow.entities import Param, RunTag
+
+        client, run = self._client, position.run
         match event["event"]:
             case journal.BEGIN:
-                position.note = self._note(event)
-                position.run = self._create_run(event, name)
+                self._begin(event, position, name)
             case journal.PARAMS:
-                self._log_params(position.run, event["values"])
+                params = [Param(k, value[:_MAX_PARAM]) for k, value in event["values"].items()]
+                client.log_batch(run, params=params)
             case journal.TABLE:
-                client.log_table(position.run, event["columns"], f"{event['name']}.json")
+                client.log_table(run, event["columns"], f"{event['name']}.json")
             case journal.FILE:
-                client.log_artifact(position.run, event["path"])
+                client.log_artifact(run, event["path"])
             case journal.END:
-                self._log_tags(position, event)
-                client.set_terminated(position.run, event["status"], end_time=event["time"])
+                note = "\n\n".join(filter(None, [position.note, event.get("note")]))
+                tags = event["tags"] | ({_NOTE_TAG: note} if note else {})
+                client.log_batch(run, tags=[RunTag(k, v) for k, v in tags.items()])
+                client.set_terminated(run, event["status"], end_time=event["time"])
                 position.ended = True
 
-    def _create_run(self, event: dict[str, Any], name: str) -> str:
-        apart = self._info.apart.get(event["tags"].get("stage"))
+    def _begin(self, event: dict[str, Any], position: _Position, name: str) -> None:
+        """Create the run, and note links to the experiments of the runs that it used."""
+        apart = self._info.apart
+        used = [apart[stage] for stage in event.get("needs", ()) if stage in apart]
+        links = ", ".join(f"[{one}](#{page(self._experiments[one])})" for one in used)
+        position.note = f"Made from the runs of {links}." if links else ""
+        own = apart.get(event["tags"].get("stage"))
         parent = {} if name == MAIN else {_PARENT_TAG: self._position(MAIN).run}
-        if apart is not None:  # pages show parents beside their children: not in two experiments
+        if own is not None:  # pages show parents beside their children: not in two experiments
             parent = {"pipeline": self._position(MAIN).run}
         run = self._client.create_run(
-            self._experiments[apart or self._info.experiment],
+            self._experiments[own or self._info.experiment],
             start_time=event["time"],
             tags={**self._info.tags, **event["tags"], **parent},
             run_name=event["name"],
         )
-        return run.info.run_id
-
-    def _note(self, event: dict[str, Any]) -> str:
-        """Links to the experiments in which runs stand that a run used."""
-        names = [self._info.apart[s] for s in event.get("needs", ()) if s in self._info.apart]
-        links = [f"[{name}](#{page(self._experiments[name])})" for name in names]
-        return f"Made from the runs of {', '.join(links)}." if links else ""
-
-    def _log_tags(self, position: _Position, event: dict[str, Any]) -> None:
-        from mlflow.entities import RunTag
-
-        note = "\n\n".join(filter(None, [position.note, event.get("note")]))
-        tags = event["tags"] | ({_NOTE_TAG: note} if note else {})
-        self._client.log_batch(position.run, tags=[RunTag(k, v) for k, v in tags.items()])
-
-    def _log_params(self, run: str, values: dict[str, str]) -> None:
-        from mlflow.entities import Param
-
-        self._log(run, "params", [Param(k, value[:_MAX_PARAM]) for k, value in values.items()])
+        position.run = run.info.run_id
 
     def _log_metrics(self, run: str, events: Sequence[dict[str, Any]]) -> None:
         from mlflow.entities import Metric
@@ -189,12 +183,7 @@ class _Session:
             for event in events
             for key, value in event["values"].items()
         ]
-        self._log(run, "metrics", metrics)
-
-    def _log(self, run: str, kind: str, items: Sequence[Any]) -> None:
-        size = _BATCHES[kind]
-        for first in range(0, len(items), size):
-            self._client.log_batch(run, **{kind: items[first : first + size]})
+        self._client.log_batch(run, metrics)
 
 
 def page(experiment: str) -> str:
@@ -212,12 +201,3 @@ def _experiment(client: Any, artefacts: Path, name: str) -> str:
 def _files(artefacts: Path) -> str:
     """Address of the folder with the runs' files."""
     return (artefacts / "mlruns").resolve().as_uri()
-
-
-def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:
-    """Whole lines from an offset on, and the offset behind them."""
-    with path.open("rb") as file:
-        file.seek(offset)
-        content = file.read()
-    lines = content[: content.rfind(b"\n") + 1]
-    return [json.loads(line) for line in lines.splitlines()], offset + len(lines)

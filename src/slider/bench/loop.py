@@ -15,7 +15,7 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -76,45 +76,32 @@ def run(arguments: argparse.Namespace) -> None:
 
     print(f"{machine()}; {threads} threads, load {os.getloadavg()[0]:.1f} before the start")
     print(_HEADER, flush=True)
-    rows = []
+    shares = {}
     for robots in arguments.envs:
         task = task_of(config.robot, config.env, replace(walking, robots=robots), library)
-        row = measure(task, threads, arguments.seconds, arguments.rounds)
-        rows.append(row)
-        print(row.line(), flush=True)
+        rates, shares[robots] = measure(task, threads, arguments.seconds, arguments.rounds)
+        texts = (f"{wall / 1e3:7.1f} ({cpu / 1e3:5.1f})" for wall, cpu in rates.tolist())
+        print(f"{robots:6d}  {'  '.join(texts)}", flush=True)
     if where == "cpu":  # on a GPU the host's time is that of launches
         print("\nshares of the processor time of the training")
-        for row in rows:
-            parts = sorted(row.parts.items(), key=lambda item: -item[1])
-            shares = ", ".join(f"{name} {100 * share:.1f} %" for name, share in parts)
-            print(f"{row.num_envs:6d}  {shares}")
+        for robots, parts in shares.items():
+            ordered = sorted(parts.items(), key=lambda item: -item[1])
+            texts = (f"{name} {100 * share:.1f} %" for name, share in ordered)
+            print(f"{robots:6d}  {', '.join(texts)}")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(f"\nlargest memory {peak:.2f} GiB, load {os.getloadavg()[0]:.1f} at the end")
 
 
-@dataclass(frozen=True)
-class Throughput:
-    """Medians over rounds for one number of environments.
+def measure(
+    task: "Task", threads: int, seconds: float, rounds: int
+) -> tuple[np.ndarray, dict[str, float]]:
+    """Measure environment and training by turns, ``rounds`` times, ``seconds`` [s] each.
 
-    Attributes:
-        environment: control steps of the environment, per second of wall and of processor time.
-        loop: the same of training iterations, everything included.
-        parts: share of the training's processor time by part.
+    Returns:
+        Medians (2, 2) of the control steps per second: of the environment and of training
+        iterations, everything included; per second of wall and of processor time. And the share of
+        the training's processor time by part.
     """
-
-    num_envs: int
-    environment: tuple[float, float]
-    loop: tuple[float, float]
-    parts: dict[str, float]
-
-    def line(self) -> str:
-        """One row of the table: steps per second, in brackets per second of processor time."""
-        rates = (f"{w / 1e3:7.1f} ({c / 1e3:5.1f})" for w, c in (self.environment, self.loop))
-        return f"{self.num_envs:6d}  {'  '.join(rates)}"
-
-
-def measure(task: "Task", threads: int, seconds: float, rounds: int) -> Throughput:
-    """Measure environment and training by turns, ``rounds`` times, ``seconds`` [s] each."""
     import torch
 
     from slider.env.vec_env import WalkingEnv
@@ -131,10 +118,8 @@ def measure(task: "Task", threads: int, seconds: float, rounds: int) -> Throughp
             once()
         spent.clear()
         rates = [[_rate(once, seconds) for once in work] for _ in range(rounds)]
-    environment, loop = np.median(rates, axis=0).tolist()
     total = sum(spent.values())
-    parts = {name: part / total for name, part in spent.items()}
-    return Throughput(task.train.robots, tuple(environment), tuple(loop), parts)
+    return np.median(rates, axis=0), {name: part / total for name, part in spent.items()}
 
 
 def _stepping(env: "WalkingEnv", train: "TrainConfig") -> Callable[[], int]:

@@ -10,6 +10,7 @@ import numpy as np
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.store import Store
 from slider.commands import make_folder
+from slider.control import EXPORT_FILES, POLICY_FILE
 
 _MAKE = "snakemake -j2 policy"
 
@@ -32,7 +33,13 @@ def run(arguments: argparse.Namespace) -> None:
     """Show or export one policy."""
     file, origin = _choose(arguments)
     if arguments.action == "export":
-        _export(file, origin, arguments.out)
+        from slider.control.export import export
+
+        make_folder(arguments.out)
+        observations, difference = export(file, origin, arguments.out)
+        print("\n".join(str(arguments.out / name) for name in EXPORT_FILES))
+        found = f"{observations} observations of a roll-out: {difference:.1e}"
+        print(f"largest difference of an action over {found}")
         return
     from slider.control.layout import describe
     from slider.control.policy import load_policy
@@ -43,28 +50,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
     """The policy file, and its origin in the store."""
-    from slider.control import POLICY_FILE
-
     if arguments.file is not None:
         return arguments.file, {}
     store = Store(arguments.artefacts)
     folder = current_folder(store, "walking", _MAKE)
     job, _ = current_result(store, "walking", _MAKE)
     return folder / POLICY_FILE, {"recipe": job.recipe, "source": job.code.source}
-
-
-def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
-    from slider.control import EXPORT_FILES
-    from slider.control.export import export
-
-    make_folder(out)
-    observations, difference = export(file, origin, out)
-    for name in EXPORT_FILES:
-        print(out / name)
-    print(
-        f"largest difference of an action over {observations} observations of a roll-out: "
-        f"{difference:.1e}"
-    )
 
 
 def summary(layout: dict[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
+from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.core.columns import Columns
 from slider.env.instruments import touchdowns
 from slider.env.metrics import heading_error
@@ -19,7 +19,7 @@ def velocities(case: CaseConfig, ramp: float, duration: float, period: float) ->
     velocity of the segment before.
     """
     times = period * np.arange(round(duration / period))
-    values = np.array([velocity_of(segment) for segment in case.segments])
+    values = np.array([[getattr(one, axis) for axis in AXES] for one in case.segments])
     starts = np.array([segment.time for segment in case.segments])
     current = np.searchsorted(starts, times + period / 2, side="right") - 1
     previous = values[np.maximum(current - 1, 0)]
@@ -36,11 +36,6 @@ def windows(case: CaseConfig, warm_up: float, duration: float, period: float) ->
         slice(round((start + warm_up) / period), round(end / period))
         for start, end in zip(starts, ends, strict=True)
     ]
-
-
-def velocity_of(segment: Segment) -> tuple[float, float, float]:
-    """vx, vy [m/s] and yaw rate [rad/s] of a segment."""
-    return segment.vx, segment.vy, segment.yaw_rate
 
 
 def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> list[Robots]:

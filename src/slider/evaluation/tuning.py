@@ -41,7 +41,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     if done:
         job.volatile["resumed"] = True
     else:
-        study.enqueue_trial({name: _present(section, name) for name in ranges})
+        study.enqueue_trial({name: setting(section["control"], name) for name in ranges})
     # A resumed search must not draw again what it has drawn.
     study.sampler = optuna.samplers.TPESampler(seed=section["sampler_seed"] + done)
     for number in range(done, section["trials"]):
@@ -52,34 +52,27 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         study.tell(trial, score)
         job.progress(f"trial {number + 1}/{section['trials']}, best score {study.best_value:.3f}")
         job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
-    complete = _complete(study)
     rows = [
         {"score": trial.value} | {name: trial.params[name] for name in ranges} | trial.user_attrs
-        for trial in complete
+        for trial in _complete(study)
     ]
     table = pd.DataFrame(rows).rename_axis("trial")
     table.to_csv(out / CSV, float_format="%.6g", lineterminator="\n")
-    best = min(range(len(complete)), key=lambda index: complete[index].values[0])
-    return {"best": best, "score": study.best_value}
+    return {"best": int(table["score"].argmin()), "score": study.best_value}
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:
     """Ranges of the settings, with the present values in them; those that count are whole."""
     ranges: dict[str, BaseDistribution] = {}
     for name, bounds in section["space"].items():
-        present, log = _present(section, name), bounds["log"]
+        present, log = setting(section["control"], name), bounds["log"]
+        assert present is not None  # checked with the configuration
         ends = min(bounds["lower"], present), max(bounds["upper"], present)
         if isinstance(present, int):
             ranges[name] = IntDistribution(*map(round, ends), log=log)
         else:
             ranges[name] = FloatDistribution(*ends, log=log)
     return ranges
-
-
-def _present(section: Section, name: str) -> float:
-    value = setting(section["control"], name)
-    assert value is not None  # checked with the configuration
-    return value
 
 
 def _complete(study: optuna.Study) -> list[FrozenTrial]:

@@ -1,6 +1,5 @@
 """A person's control of a motion, the loop in real time, and the same without pictures."""
 
-import math
 import time
 from collections.abc import Callable, Sequence
 
@@ -20,11 +19,6 @@ Show = Callable[[Frame], bool]
 """Shows a frame; returns whether to go on."""
 
 
-def velocity_limits(top: float) -> tuple[tuple[float, float], ...]:
-    """Lowest and highest vx, vy [m/s] and yaw rate [rad/s]; ``top`` is the highest vx."""
-    return (-BACKWARD, top), (-SIDEWAYS, SIDEWAYS), (-TURNING, TURNING)
-
-
 class Control:
     """Velocity, pause, camera, and requests; written by one thread, read by another.
 
@@ -40,7 +34,7 @@ class Control:
 
     def __init__(self, velocity: Sequence[float], top: float) -> None:
         self.velocity = np.array(velocity, dtype=float)
-        self.limits = velocity_limits(top)
+        self.limits = (-BACKWARD, top), (-SIDEWAYS, SIDEWAYS), (-TURNING, TURNING)
         self.paused = False
         self._pushes: list[np.ndarray] = []
         self._restart = False
@@ -99,10 +93,8 @@ def run(
     real_time: bool = True,
 ) -> Frame:
     """Move until ``show`` returns false or the time [s] is over; return the last frame."""
-    frame = motion.start(control.velocity)
-    limit = math.inf if seconds is None else seconds
-    elapsed = 0.0
-    while show(frame) and elapsed < limit - 1e-9:
+    frame, elapsed = motion.start(control.velocity), 0.0
+    while show(frame) and (seconds is None or elapsed < seconds - 1e-9):
         began = time.monotonic()
         if control.take_restart():
             frame = motion.start(control.velocity)

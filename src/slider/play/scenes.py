@@ -6,7 +6,7 @@ Policies, controllers and agents move a simulated robot; a gait is replayed with
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -35,30 +35,13 @@ Section = TypeVar("Section", EnvConfig, RobotConfig)
 _STEP_TIME = 0.4  # of the phase that smoke agents observe [s]
 
 
-class Motion(Protocol):
-    """Frames at a fixed period [s]."""
-
-    period: float
-
-    def start(self, velocity: np.ndarray) -> Frame:
-        """First frame, commanded to ``velocity`` (3,)."""
-        ...
-
-    def step(self, velocity: np.ndarray) -> Frame:
-        """Next frame, commanded to ``velocity`` (3,)."""
-        ...
-
-    def push(self, change: np.ndarray) -> None:
-        """Change the base's velocity by (2,) [m/s]; a replay has no physics to push."""
-
-
 @dataclass(frozen=True)
 class Scene:
     """A motion, the robot that moves, and the highest commanded speed [m/s]."""
 
     title: str
     robot: RobotConfig
-    motion: Motion
+    motion: "Motion"
     top: float
 
 
@@ -160,7 +143,7 @@ class Simulation:
         return self._episode.step()
 
     def push(self, change: np.ndarray) -> None:
-        """Give the base an impulse."""
+        """Change the base's velocity by (2,) [m/s]."""
         self._episode.push(change)
 
 
@@ -211,7 +194,7 @@ class Replay:
         return self._frame()
 
     def push(self, change: np.ndarray) -> None:
-        """Ignore the push."""
+        """Ignore it: a replay has no physics to push."""
 
     def _frame(self) -> Frame:
         time = self._steps * self.period
@@ -233,3 +216,7 @@ class Replay:
             qpos[:2] = walk + axes @ qpos[:2]
         turn = np.array([[np.cos(walks * angle / 2), 0.0, 0.0, np.sin(walks * angle / 2)]])
         qpos[3:7] = multiply_quaternions(turn, qpos[None, 3:7])[0]
+
+
+Motion = Simulation | Replay
+"""Frames at a fixed period [s] of a robot that is commanded to a velocity (3,)."""

@@ -31,38 +31,24 @@ class Panel(plugin.ViewerPlugin):
     @messages.handler
     def on_build_gui(self, event: messages.BuildGuiEvent) -> None:
         """Draw the panel."""
-        self._follow_robot()
-        camera = self._control.take_camera()
+        model, viewed = self.viewer.model, self.viewer.camera
+        if self._followed is not model and model.nbody > 1:  # a person may move it afterwards
+            self._followed = model
+            viewed.type = mujoco.mjtCamera.mjCAMERA_TRACKING
+            viewed.trackbodyid = model.body(names.BASE).id
+        control = self._control
+        camera = control.take_camera()
         if camera is not None:
-            aim(self.viewer.camera, camera, _DISTANCE)
+            aim(viewed, camera, _DISTANCE)
         imgui.SetNextWindowPos(imgui.Vec2(10, 10), _ONCE)
         imgui.SetNextWindowSize(imgui.Vec2(330, 240), _ONCE)
         imgui.Begin("SLIDER")
         for line in self.status.split(", "):
             imgui.Text(line)
-        self._sliders()
-        self._buttons()
-        imgui.End()
-
-    def _follow_robot(self) -> None:
-        """Once per model: a person may move the camera afterwards."""
-        model = self.viewer.model
-        if self._followed is model or model.nbody < 2:
-            return
-        self._followed = model
-        camera = self.viewer.camera
-        camera.type = mujoco.mjtCamera.mjCAMERA_TRACKING
-        camera.trackbodyid = model.body(names.BASE).id
-
-    def _sliders(self) -> None:
-        velocity = self._control.velocity
-        for index, (name, limits) in enumerate(zip(_SLIDERS, self._control.limits, strict=True)):
-            changed, value = imgui.SliderFloat(name, float(velocity[index]), *limits)
+        for index, (name, limits) in enumerate(zip(_SLIDERS, control.limits, strict=True)):
+            changed, value = imgui.SliderFloat(name, float(control.velocity[index]), *limits)
             if changed:
-                self._control.set(index, value)
-
-    def _buttons(self) -> None:
-        control = self._control
+                control.set(index, value)
         actions = {
             "stand": control.stop,
             "push": lambda: control.push(0.0, PUSH),
@@ -75,6 +61,7 @@ class Panel(plugin.ViewerPlugin):
                 imgui.SameLine()
             if imgui.Button(name):
                 action()
+        imgui.End()
 
 
 def viewer_at(host: str) -> type[WebViewer]:

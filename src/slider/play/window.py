@@ -27,24 +27,20 @@ _HELP = """keys: up, down     faster, slower            left, right   turn
 
 _DISTANCE = 2.5  # of the camera [m]
 
-# GLFW's numbers of the keys.
-_SPACE, _COMMA, _PERIOD, _ENTER, _BACKSPACE, _HOME, _END = 32, 44, 46, 257, 259, 268, 269
-_RIGHT, _LEFT, _DOWN, _UP = 262, 263, 264, 265
-
 _CHANGES = {
-    _UP: (0, 0.1),
-    _DOWN: (0, -0.1),
-    _COMMA: (1, 0.05),
-    _PERIOD: (1, -0.05),
-    _LEFT: (2, 0.1),
-    _RIGHT: (2, -0.1),
+    glfw.KEY_UP: (0, 0.1),
+    glfw.KEY_DOWN: (0, -0.1),
+    glfw.KEY_COMMA: (1, 0.05),
+    glfw.KEY_PERIOD: (1, -0.05),
+    glfw.KEY_LEFT: (2, 0.1),
+    glfw.KEY_RIGHT: (2, -0.1),
 }
 _ACTIONS: dict[int, Callable[[Control], None]] = {
-    _HOME: Control.stop,
-    _SPACE: Control.toggle_pause,
-    _ENTER: lambda control: control.push(0.0, PUSH),
-    _BACKSPACE: Control.restart,
-    _END: Control.next_camera,
+    glfw.KEY_HOME: Control.stop,
+    glfw.KEY_SPACE: Control.toggle_pause,
+    glfw.KEY_ENTER: lambda control: control.push(0.0, PUSH),
+    glfw.KEY_BACKSPACE: Control.restart,
+    glfw.KEY_END: Control.next_camera,
 }
 
 

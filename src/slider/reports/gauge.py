@@ -17,7 +17,7 @@ from slider.reports.figures.gauge import draw, pass_rate
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE
 from slider.reports.rows import Row, by
-from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
+from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 NUMBER = "gauge number"
 _CAPTION = """\
@@ -47,8 +47,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     protocol, figure, *written = section["protocol"], *blocks(rows, out / "gauge.svg")
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = Text(_CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]}))
-    text = document("Gauge", section["robot"], [figure, caption, *written])
-    (out / "gauge.md").write_text(text, encoding="utf-8")
+    write_document(out / "gauge.md", "Gauge", section["robot"], [figure, caption, *written])
     job.tracker.log_file(out / "gauge.svg")
     numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
     job.tracker.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)

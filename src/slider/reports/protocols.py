@@ -16,13 +16,13 @@ from slider.config.evaluation import EvaluationConfig, Segment
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
-from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
+from slider.evaluation.segments import SMOOTHING, profile_of
 from slider.reports import rows as tables
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
-from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
+from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
@@ -152,8 +152,7 @@ def _write(
     tables.write(rows, stem.with_suffix(".csv"))
     write_pictures(stem, draw)
     title, robot = about
-    text = document(f"{title}: {stem.name}", robot, blocks)
-    stem.with_suffix(".md").write_text(text, encoding="utf-8")
+    write_document(stem.with_suffix(".md"), f"{title}: {stem.name}", robot, blocks)
     job.tracker.log_file(stem.with_suffix(".svg"))
 
 
@@ -234,7 +233,7 @@ def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
 
 
 def _commands(segment: Segment) -> Row:
-    return {f"{axis}_command": v for axis, v in zip(AXES, velocity_of(segment), strict=True)}
+    return {f"{axis}_command": getattr(segment, axis) for axis in AXES}
 
 
 def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:

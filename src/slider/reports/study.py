@@ -22,7 +22,7 @@ from slider.reports import rows
 from slider.reports.figures import study as figure
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity, speed_text
-from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
+from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 from slider.training.results import Training
 
 WALKS = 0.95
@@ -58,8 +58,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
         job.tracker.log_file(out / f"{stem}.csv")
     write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
-    text = document(name.replace("_", " ").capitalize(), section["robot"], blocks(name, out))
-    (out / f"{name}.md").write_text(text, encoding="utf-8")
+    title = name.replace("_", " ").capitalize()
+    write_document(out / f"{name}.md", title, section["robot"], blocks(name, out))
     job.tracker.log_file(out / f"{name}.svg")
     return {"runs": len(runs), "variants": len(section["variants"])}
 

@@ -60,8 +60,10 @@ class Table:
     @property
     def latex(self) -> str:
         r"""A ``tabular`` for ``\input`` below its caption; needs the package booktabs."""
-        frame = self.frame(_latex_cell).rename(columns=escape)
-        style = frame.style.hide(axis="index")
+        frame = self.frame(
+            lambda cell: f"\\textbf{{{escape(cell.text)}}}" if cell.best else escape(cell.text)
+        )
+        style = frame.rename(columns=escape).style.hide(axis="index")
         body = style.to_latex(hrules=True, column_format="l" + "r" * (len(self.columns) - 1))
         return f"{escape(self.caption)}\n\n{body}" if self.caption else body
 
@@ -86,11 +88,6 @@ class Text:
     kind: ClassVar = "text"
     markdown: str
     look: str = ""
-
-    @property
-    def paragraphs(self) -> list[str]:
-        """Parts between blank lines."""
-        return [part for part in self.markdown.split("\n\n") if part.strip()]
 
 
 @dataclass(frozen=True)
@@ -124,14 +121,14 @@ Written = Table | Text | Heading | Picture
 """Blocks of documents and of the page."""
 
 
-def document(title: str, robot: str, blocks: Iterable[Written]) -> str:
-    """A Markdown document about a robot, by its name: blocks below each other."""
+def write_document(path: Path, title: str, robot: str, blocks: Iterable[Written]) -> None:
+    """Write a Markdown document about a robot, by its name: blocks below each other."""
     parts = [f"# {title}", f"Robot: {robot}"]
     for block in blocks:
         if isinstance(block, Table) and block.caption:
             parts.append(Heading(block.caption).markdown)
         parts.append(block.markdown.strip("\n"))
-    return "\n\n".join(parts) + "\n"
+    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
 def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> Table:
@@ -163,10 +160,6 @@ _LATEX = {character: f"\\{character}" for character in "%&#$_{}"} | {
     ">": "$>$",
     "|": "$|$",
 }
-
-
-def _latex_cell(cell: Cell) -> str:
-    return f"\\textbf{{{escape(cell.text)}}}" if cell.best else escape(cell.text)
 
 
 def _html_heading(text: str, cells: Sequence[Cell]) -> str:

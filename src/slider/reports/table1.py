@@ -15,7 +15,7 @@ from slider.evaluation.results import ERRORS, Evaluation
 from slider.reports import rows as tables
 from slider.reports.quantities import PAPER, QUANTITIES, decimals, quantity, speed_text
 from slider.reports.rows import NAN, Row
-from slider.reports.table import Cell, Heading, Table, Text, Written, document, escape
+from slider.reports.table import Cell, Heading, Table, Text, Written, escape, write_document
 
 COLUMNS = (
     *("controller", "label", "source", "speed"),
@@ -53,8 +53,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     quality = _quality_rows(evaluations, inputs.get("library", ()))
     tables.write(quality, out / "gait_quality.csv")
     compared = comparisons(rows)
-    text = document("Table 1", section["robot"], [Text(_CAPTION), *compared])
-    (out / "table1.md").write_text(text, encoding="utf-8")
+    write_document(out / "table1.md", "Table 1", section["robot"], [Text(_CAPTION), *compared])
     lines = [f"% Robot: {section['robot']}. {escape(_CAPTION)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")

@@ -14,7 +14,7 @@ from slider.reports import rows as tables
 from slider.reports.figures.style import new_figure, write_pictures
 from slider.reports.quantities import QUANTITIES, colour, speed_text
 from slider.reports.rows import Row
-from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
+from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 _CAPTION = """\
 The score is the mean over the commands v of log10(e / v²), with e the mean squared velocity error
@@ -35,8 +35,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_pictures(out / "baseline_tuning", partial(_draw, trials, section["labels"]))
     written = [block for name in names for block in _blocks(name, trials[name], section)]
     figure = Picture(out / "baseline_tuning.svg", "Best score so far over the trials.")
-    text = document("Tuned baselines", section["robot"], [Text(_CAPTION), figure, *written])
-    (out / "baseline_tuning.md").write_text(text, encoding="utf-8")
+    shown = [Text(_CAPTION), figure, *written]
+    write_document(out / "baseline_tuning.md", "Tuned baselines", section["robot"], shown)
     job.tracker.log_file(out / "baseline_tuning.csv")
     return {"trials": len(rows), "scores": {name: _best(trials[name])["score"] for name in names}}
 

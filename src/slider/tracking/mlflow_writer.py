@@ -34,21 +34,17 @@ def follow(artefacts: Path, name: str) -> None:
     """Write a session to MLflow until it ends; first what earlier sessions left behind."""
     client = _connect(artefacts)
     for path in sorted((artefacts / "tracking").glob(f"*/{SESSION_FILE}")):
-        if path.parent.name != name:
-            _close_leftover(client, artefacts, path.parent)
+        folder = path.parent
+        try:
+            if folder.name != name and not is_alive(SessionInfo.read(folder).owner):
+                _Session(client, artefacts, folder).close()
+        except Exception as error:  # must not keep the present session from being written
+            _log.warning("lost the tracking of %s: %s", folder.name, error)
+            shutil.rmtree(folder, ignore_errors=True)
     session = _Session(client, artefacts, artefacts / "tracking" / name)
     while not session.update():
         time.sleep(_PERIOD)
     session.close()
-
-
-def _close_leftover(client: Any, artefacts: Path, folder: Path) -> None:
-    try:
-        if not is_alive(SessionInfo.read(folder).owner):
-            _Session(client, artefacts, folder).close()
-    except Exception as error:  # must not keep the present session from being written
-        _log.warning("lost the tracking of %s: %s", folder.name, error)
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _connect(artefacts: Path) -> Any:

@@ -108,36 +108,27 @@ def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration:
     for axis, axes in enumerate(panels[:3]):
         command = traces[0][:, axis]
         axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
-        axes.set(ylabel=_LABELS[axis], ylim=_limits(command))
+        # What a falling robot does beyond it is cut off.
+        low, high = float(command.min()), float(command.max())
+        margin = 0.5 * max(high - low, 0.4)
+        axes.set(ylabel=_LABELS[axis], ylim=(low - margin, high + margin))
     panels[3].set(ylabel="share up", ylim=(-0.08, 1.08), xlabel="time [s]", xlim=(0.0, duration))
-    _mark_segments(panels, case)
+    for axes in panels:
+        axes.grid(visible=False, axis="x")
+        for segment in case.segments[1:]:
+            axes.axvline(segment.time, color="#b8c0c9", linewidth=0.5, zorder=0)
+    above = {"transform": panels[0].get_xaxis_transform(), "rotation": 28, "va": "bottom"}
+    for segment in case.segments:
+        name = segment.name.replace("_", " ")
+        panels[0].text(segment.time, 1.02, f" {name}", fontsize=6.5, **above)
     handles, names = panels[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=len(names))
     return figure
 
 
-def _limits(command: np.ndarray) -> tuple[float, float]:
-    """Range around the command; what a falling robot does beyond it is cut off."""
-    low, high = float(command.min()), float(command.max())
-    margin = 0.5 * max(high - low, 0.4)
-    return low - margin, high + margin
-
-
 def _times(values: np.ndarray, duration: float) -> np.ndarray:
     """Ends of the control steps [s]."""
     return duration * np.arange(1, len(values) + 1) / len(values)
-
-
-def _mark_segments(panels: Sequence[Axes], case: CaseConfig) -> None:
-    for axes in panels:
-        axes.grid(visible=False, axis="x")
-        for segment in case.segments[1:]:
-            axes.axvline(segment.time, color="#b8c0c9", linewidth=0.5, zorder=0)
-    for segment in case.segments:
-        name = segment.name.replace("_", " ")
-        place = (segment.time, 1.02)
-        at = panels[0].get_xaxis_transform()
-        panels[0].text(*place, f" {name}", transform=at, rotation=28, fontsize=6.5, va="bottom")
 
 
 def draw_cases(rows: Sequence[Row]) -> Figure:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from slider.config.compose import compose
 from slider.config.convert import from_dict, to_dict
@@ -77,6 +78,34 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "study.*.training study.sensitivity.evaluation",  # the pipeline's policy; gaits alone
     ),
 }
+MISFITS = [
+    ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+    ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
+    ("train.walking.velocities.vx=[0.3]", "vx: expected keys and values, found [0.3]"),
+    ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
+    ("train.walking.selection.flight_weight=6", "selection: expected flight_weight ≤ half of"),
+    ("train.standing.network.activation=tanh", "network.activation: expected elu"),
+    ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
+    ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
+    ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
+    ("control.mpc_wbc_tuned.substeps=2", "(4) for a control rate of at least 200 Hz, found"),
+    ("control.mpc_wbc_observer.observer.delay=0.012", "delay: expected a multiple of 0.005"),
+    ("control.hzd.family=x", "control.hzd.family: expected 'mpc' or 'hzd', found \"x\""),
+    ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a value, found none"),
+    ("evaluation.disturbance.delay.upper=0.012", "upper: expected a multiple of 0.005"),
+    ("train.walking.disturbance.push.interval=0.13", "push.interval: expected a multiple of"),
+    ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
+    ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
+    ("gauge.duration=10.01", "gauge.duration: expected a multiple of 0.02, found 10.01"),
+    ("evaluation.speeds=[0.2,0.2000000001]", "evaluation.speeds: expected each once, found"),
+    ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
+    ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
+    ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
+    ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
+    ("protocols.heldout.profile.rows=segments", "expected one case where rows are its"),
+    ("robot.geometry.axes.hip_yaw=[0.0]", "axes.hip_yaw[1]: expected a value, found none"),
+    ("gait.posture.knee_max=0.01", 'found {"knee_min": 0.1, "knee_max": 0.01}'),
+]
 PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
 
 
@@ -168,6 +197,14 @@ def test_nonsense_is_refused_in_one_line(group, config, plain):
             if not is_clear(place, text):
                 accepted.append(f"{key(place)}={wrong}: {text}")
     assert accepted == []
+
+
+@pytest.mark.parametrize(("change", "message"), MISFITS)
+def test_values_that_do_not_fit_together_are_one_line(change, message, config, plain):
+    name, _, value = change.partition("=")
+    text = complaint(config, plain, tuple(name.split(".")), yaml.safe_load(value))
+    assert message in text
+    assert "\n" not in text
 
 
 def test_every_exception_has_a_leaf(plain):

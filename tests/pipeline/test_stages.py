@@ -270,6 +270,9 @@ def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
     sensing = {cell.section["controller"]: cell.section["env"] for cell in made.inputs["cells"]}
     assert [env["sensing"] for env in sensing.values()] == ["true_state", "onboard"]
     assert all(set(cell.inputs) == {"policy"} for cell in made.inputs["cells"])
+    (tmp_path / "policy.json").write_text("another")
+    other = gauge("gauge.controllers=[o,o_onboard]", f"+gauge.policies.o={tmp_path}")
+    assert not {c.recipe for c in made.inputs["cells"]} & {c.recipe for c in other.inputs["cells"]}
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     with pytest.raises(

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,7 @@ MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 PIPELINE = sorted((SOURCE.parent / "pipeline").rglob("*.py"))
 
 
+@cache
 def imports(path: Path) -> set[str]:
     found = set()
     for node in ast.walk(ast.parse(path.read_bytes())):
@@ -48,33 +50,35 @@ def imports(path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(SOURCE)))
-def test_module_imports_only_to_its_left(path):
-    name = path.relative_to(SOURCE / "slider").as_posix()
-    package = name.partition("/")[0]
-    if package not in ALLOWED:  # slider/__init__.py and cli.py
-        assert name in ("__init__.py", "cli.py"), "a package without a place in the order"
-        return
-    for target in imports(path):
-        parts = target.split(".")
-        if parts[0] == "slider" and len(parts) > 1:
-            assert parts[1] in ALLOWED[package], f"{name} imports {target}"
+def test_modules_import_only_to_their_left():
+    found = []
+    for path in MODULES:
+        name = path.relative_to(SOURCE / "slider").as_posix()
+        package = name.partition("/")[0]
+        if package not in ALLOWED:
+            assert name in ("__init__.py", "cli.py"), f"{name} has no place in the order"
+            continue
+        targets = (target.split(".") for target in imports(path))
+        of_slider = {parts[1] for parts in targets if parts[0] == "slider" and len(parts) > 1}
+        found += [f"{name} imports slider.{other}" for other in of_slider - ALLOWED[package]]
+    assert found == []
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(SOURCE)))
-def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
-    packages = {target.partition(".")[0] for target in imports(path)}
-    assert "snakemake" not in packages
-    assert "pipeline" not in packages
-    name = path.relative_to(SOURCE / "slider").as_posix()
-    allowed = name.startswith("config/") or name == "commands/config.py"
-    assert allowed or not packages & {"hydra", "omegaconf"}
+def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake():
+    for path in MODULES:
+        packages = {target.partition(".")[0] for target in imports(path)}
+        assert not packages & {"snakemake", "pipeline"}, path
+        name = path.relative_to(SOURCE / "slider").as_posix()
+        if not name.startswith("config/") and name != "commands/config.py":
+            assert not packages & {"hydra", "omegaconf"}, path
 
 
-@pytest.mark.parametrize("path", [*MODULES, *PIPELINE], ids=lambda path: path.name)
-def test_text_files_have_an_encoding(path):
-    calls = (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.Call))
-    assert [call.lineno for call in calls if takes_the_encoding_of_the_locale(call)] == []
+def test_text_files_have_an_encoding():
+    for path in (*MODULES, *PIPELINE):
+        nodes = ast.walk(ast.parse(path.read_bytes()))
+        calls = [node for node in nodes if isinstance(node, ast.Call)]
+        found = [call.lineno for call in calls if takes_the_encoding_of_the_locale(call)]
+        assert found == [], path
 
 
 def takes_the_encoding_of_the_locale(call: ast.Call) -> bool:

@@ -186,10 +186,19 @@ def is_clear(place: Place, text: str) -> bool:
     return bool(separator) and "\n" not in text and names
 
 
+# Of groups whose members have one schema, those that differ in what is there.
+DIFFERENT = {
+    "control": ("mpc_wbc_observer", "hzd"),
+    "protocols": ("sweep", "joystick", "heldout"),
+    "study": ("seeds", "sensitivity", "gait_starts"),
+}
+
+
 @pytest.mark.parametrize("group", list(Config.__dataclass_fields__))
 def test_nonsense_is_refused_in_one_line(group, config, plain):
     accepted = []
-    for place, value in places({group: plain[group]}):
+    members = {name: plain[group][name] for name in DIFFERENT.get(group, plain[group])}
+    for place, value in places({group: members}):
         for wrong in nonsense(value):
             if allowed(place, wrong):
                 continue

@@ -3,10 +3,6 @@
 # daqp has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import os
-import subprocess
-import sys
-
 import daqp
 import numpy as np
 
@@ -67,16 +63,3 @@ def test_solutions_are_those_of_the_python_interface():
         expected, _, flag, _ = daqp.solve(hessian, gradient, rows, upper, lower)
         assert flag == 1
         np.testing.assert_array_equal(minimiser, expected)
-
-
-def test_disabled_compiler_changes_no_solution(tmp_path):
-    """NUMBA_DISABLE_JIT gave infeasible programmes, so a Table 1 of falls."""
-    np.savez(tmp_path / "programmes.npz", *programmes(4))
-    program = (
-        "import numpy as np; from slider.control import qp; "
-        "x, solved = qp.solve(*np.load('programmes.npz').values()); "
-        "assert solved.all(); np.save('x.npy', x)"
-    )
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=environment, check=True)
-    np.testing.assert_array_equal(np.load(tmp_path / "x.npy"), qp.solve(*programmes(4))[0])

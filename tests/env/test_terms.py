@@ -3,6 +3,7 @@
 import importlib.util
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,15 +23,20 @@ from slider.env.terms import check_clock, checked, uses_library
 from tests.control.policies import make_policy
 from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
 from tests.env.test_rewards import moving_view
-from tests.env.test_vec_env import NUM_ENVS, actions, build, settings
+from tests.env.test_vec_env import NUM_ENVS, actions, build
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
 REWARDS = sorted(path.stem for path in (CONF / "train" / "walking" / "reward").glob("*.yaml"))
-PARAMS = {name: dict.fromkeys(term.parameters, 1.0) for name, term in rewards.TERMS.items()} | {
-    name: term.params
-    for reward in REWARDS
-    for name, term in config(f"train/walking/reward={reward}").train.walking.reward.terms.items()
-}
+
+
+@cache
+def params() -> dict[str, dict[str, float]]:
+    """Parameters of each reward term, those of a configuration that has it."""
+    found = {name: dict.fromkeys(term.parameters, 1.0) for name, term in rewards.TERMS.items()}
+    for reward in REWARDS:
+        terms = config(f"train/walking/reward={reward}").train.walking.reward.terms
+        found |= {name: term.params for name, term in terms.items()}
+    return found
 
 
 @pytest.fixture
@@ -71,7 +77,7 @@ def overridden(lines) -> list[str]:
 
 def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(documented):
     overrides = overridden(documented)
-    whole = settings("experiment=test", "env.phase.mirror=true", *overrides)
+    whole = config("experiment=test", "env.phase.mirror=true", *overrides)
     checked(whole)
     env = build(whole)
     generator = torch.Generator().manual_seed(0)
@@ -124,15 +130,15 @@ def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name)
     later = replace(view, phase=(view.phase + 0.37) % 1.0)
     before = RewardView(view, make_guide()).outputs
     values = [
-        term.function(RewardView(seen, make_guide(), before), **PARAMS[name])
+        term.function(RewardView(seen, make_guide(), before), **params()[name])
         for seen in (view, later)
     ]
     assert (values[0] != values[1]).any() == (Needs.CLOCK in term.needs)
     if Needs.LIBRARY in term.needs:
         with pytest.raises(UserError, match="expected a gait library"):
-            term.function(RewardView(view, None), **PARAMS[name])
+            term.function(RewardView(view, None), **params()[name])
     else:
-        term.function(RewardView(view, None), **PARAMS[name])
+        term.function(RewardView(view, None), **params()[name])
 
 
 @pytest.mark.parametrize("name", observations.TERMS)
@@ -143,17 +149,9 @@ def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
 
 
 MISTAKES = [
-    (
-        "train.walking.reward.terms.heading.params.width=0",
-        "heading.params.width: expected greater than 0, found 0",
-    ),
     ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
     ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
     ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
-    (
-        "env.termination.terms.tilt=45",
-        "terms.tilt: expected less than or equal to 3.14159",
-    ),
 ]
 
 

@@ -10,6 +10,7 @@ import torch
 from slider.config.env import StartNoise
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
+from slider.config.types import Interval
 from slider.env.guide import Guide
 from slider.env.rewards import Lyapunov, Reward, RewardView
 from slider.env.vec_env import Task, WalkingEnv, task_of
@@ -24,17 +25,12 @@ from tests.library.gaits import write_store
 
 EXPERIMENTS = ("default", "turning", "robust", "outdoor", "paper", "paper_alive")
 NUM_ENVS = 6
-FEW = (f"train.standing.robots={NUM_ENVS}", f"train.walking.robots={NUM_ENVS}")
-
-
-def settings(*overrides: str) -> Config:
-    return config(*overrides, *FEW)
 
 
 def build(
     whole: Config, train: TrainConfig | None = None, guide: Guide | None = None, seed: int = 0
 ) -> WalkingEnv:
-    train = replace(train or whole.train.walking, seed=seed)
+    train = replace(train or whole.train.walking, robots=NUM_ENVS, seed=seed)
     table = gait_table()
     times = table.times if whole.env.phase.enabled else None
     guide = guide or make_guide()
@@ -50,7 +46,7 @@ def actions(agent: str, generator: torch.Generator) -> torch.Tensor:
 @pytest.mark.parametrize("training", ["standing", "walking"])
 @pytest.mark.parametrize("experiment", EXPERIMENTS)
 def test_builds_resets_and_steps(experiment, training):
-    whole = settings(f"experiment={experiment}")
+    whole = config(f"experiment={experiment}")
     train = getattr(whole.train, training)
     env = build(whole, train)
     size = sum(env.agent.observer.layout.values())
@@ -80,7 +76,7 @@ def test_builds_resets_and_steps(experiment, training):
 
 
 def test_a_fall_at_the_time_limit_is_no_time_out():
-    env = build(settings("experiment=test"))
+    env = build(config("experiment=test"))
     for _ in range(3):
         env.episode_length_buf[:] = env.max_episode_length - 1
         env.physics.qpos[:2, 2] = 0.2
@@ -90,12 +86,8 @@ def test_a_fall_at_the_time_limit_is_no_time_out():
 
 
 def test_episodes_end_at_their_length():
-    whole = settings(
-        "experiment=test",
-        "train.standing.episode_length=0.2",
-        "train.standing.reset.reference_fraction=0.0",
-    )
-    env = build(whole, whole.train.standing)
+    whole = config("experiment=test")
+    env = build(whole, replace(whole.train.standing, episode_length=0.2))
     assert env.max_episode_length == 10
     env.episode_length_buf = torch.tensor([0, 0, 0, 4, 4, 9])
     ended = []
@@ -108,8 +100,8 @@ def test_episodes_end_at_their_length():
 
 
 def test_observations_after_an_end_are_those_of_the_new_episode():
-    whole = settings("experiment=test", "env/observation=paper", "train.walking.episode_length=0.1")
-    env = build(whole)
+    whole = config("experiment=test", "env/observation=paper")
+    env = build(whole, replace(whole.train.walking, episode_length=0.1))
     columns = list(env.agent.observer.layout)
     at = sum(
         env.agent.observer.layout[name] for name in columns[: columns.index("previous_action")]
@@ -124,7 +116,7 @@ def test_observations_after_an_end_are_those_of_the_new_episode():
 
 
 def test_a_blow_up_ends_the_episode_and_is_counted():
-    env = build(settings("experiment=test"))
+    env = build(config("experiment=test"))
     env.step(torch.zeros(NUM_ENVS, 12))
     env.physics.qvel[4, 6:] = 1e9
     observations, reward, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
@@ -139,13 +131,18 @@ def test_a_blow_up_ends_the_episode_and_is_counted():
     assert done[4] == 0
 
 
+def on_the_gait(whole: Config, share: float) -> TrainConfig:
+    """The walking training with a share of starts on the gait."""
+    train = whole.train.walking
+    return replace(train, reset=replace(train.reset, reference_fraction=share))
+
+
 @pytest.mark.parametrize(("share", "spread"), [(1.0, True), (0.0, False)])
 def test_starts_on_the_reference(share, spread):
     """Episodes start on the gait at the clock's phase, or at rest in the nominal pose."""
     noise = [f"env.start.{item.name}=0.0" for item in dataclasses.fields(StartNoise)]
-    env = build(
-        settings("experiment=test", f"train.walking.reset.reference_fraction={share}", *noise)
-    )
+    whole = config("experiment=test", *noise)
+    env = build(whole, on_the_gait(whole, share))
     state, command = env.physics.read(), env.agent.command
     clock = env.agent.clock
     assert clock is not None
@@ -163,28 +160,26 @@ def test_starts_on_the_reference(share, spread):
 
 def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_step_on():
     halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
-    stand = "train.walking.velocities.standing_fraction=1.0"
+    whole = config("experiment=test", *halt)
+    velocities = replace(whole.train.walking.velocities, standing_fraction=1.0)
     for share, expected in ((0.0, True), (1.0, False)):
-        start = f"train.walking.reset.reference_fraction={share}"
-        clock = build(settings("experiment=test", *halt, stand, start)).agent.clock
+        train = replace(on_the_gait(whole, share), velocities=velocities)
+        clock = build(whole, train).agent.clock
         assert clock is not None
         np.testing.assert_array_equal(clock.halted, expected)
         assert (clock.phase == 0).all() == expected
 
 
 def test_commands_are_seen_and_change():
-    whole = settings(
-        "experiment=test",
-        "train.walking.velocities.period=0.2",
-        "train.walking.velocities.vx.lower=0.1",
-        "train.walking.velocities.standing_fraction=0.0",
-    )
-    env = build(whole)
+    whole = config("experiment=test")
+    train = whole.train.walking
+    limits = replace(train.velocities.vx, lower=0.1)
+    velocities = replace(train.velocities, period=0.2, vx=limits, standing_fraction=0.0)
+    env = build(whole, replace(train, velocities=velocities))
     before = env.agent.command[:, :3].numpy().copy()
     for _ in range(40):
         env.step(torch.zeros(NUM_ENVS, 12))
     after = env.agent.command[:, :3].numpy()
-    limits = whole.train.walking.velocities.vx
     assert (before != after).any(axis=1).mean() > 0.5
     assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
 
@@ -192,7 +187,7 @@ def test_commands_are_seen_and_change():
 def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others():
     """Same seed: commands, starts and phases are drawn alike with disturbances and without."""
     calm, rough = (
-        build(settings("experiment=test", *extra))
+        build(config("experiment=test", *extra))
         for extra in ((), ("train/walking/disturbance=robust",))
     )
     np.testing.assert_array_equal(calm.physics.qpos, rough.physics.qpos)
@@ -209,14 +204,11 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     """The heading target is the course of the walk at the phase of the start."""
     library = turning_library()
     table = GaitTable.from_library(library)
-    whole = settings(
-        "experiment=test",
-        "train.walking.reset.reference_fraction=1.0",
-        "train.walking.velocities.yaw_rate={lower: -0.5, upper: 0.5}",
-        "env.start.tilt=0",
-    )
-    guide = Guide(library, table)
-    task = Task(whole.robot, whole.env, whole.train.walking, table.times, guide, table.joints)
+    whole = config("experiment=test", "env.start.tilt=0")
+    train = on_the_gait(whole, 1.0)
+    turning = replace(train.velocities, yaw_rate=Interval(-0.5, 0.5))
+    guide, train = Guide(library, table), replace(train, velocities=turning)
+    task = Task(whole.robot, whole.env, train, table.times, guide, table.joints)
     env = WalkingEnv(task)
     command, yaw = env.agent.command, env.physics.read().yaw
     assert env.agent.clock is not None
@@ -236,7 +228,7 @@ class Watched(Reward):
 
 
 def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
-    whole = settings("experiment=test", "train/walking/reward=clf")
+    whole = config("experiment=test", "train/walking/reward=clf")
     env, reward = build(whole), Watched(whole.train.walking.reward)
     env.reward = reward
     term = whole.train.walking.reward.terms["clf_decrease"]
@@ -295,7 +287,7 @@ def test_terrain_grades_robots_and_slows_them():
         "velocities={uneven: 0.5, vx: {lower: 1.0, upper: 1.0}, standing_fraction: 0.0}",
         "episode_length=0.1",
     )
-    whole = settings(*(f"train.walking.{value}" for value in values))
+    whole = config(*(f"train.walking.{value}" for value in values))
     env = build(whole)
     np.testing.assert_allclose(env.agent.command[:, 0], [1.0, 0.5] * 3)
     levels = env.physics.terrain.levels

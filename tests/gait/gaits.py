@@ -16,6 +16,7 @@ from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import NODE
+from tests import shared
 
 CONF = Path(__file__).parents[2] / "conf"
 STEP_TIME = "gait.step_time.upper=0.42"  # that of the gaits whose numbers the tests have
@@ -41,7 +42,7 @@ def solver(turning: bool = False) -> GaitSolver:
     return GaitSolver(problem(turning), config().gait.solver, config().gait.step_time)
 
 
-@cache
+@shared.shared
 def solved(vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
     return solver(yaw_rate != 0.0).solve(vx, vy, yaw_rate)
 
@@ -67,6 +68,6 @@ def inverse_dynamics(form: Formulation) -> ca.Function:
 
 def section(vx: float, vy: float, yaw_rate: float = 0.0, **solver_settings: Any) -> dict[str, Any]:
     """What the stage ``gait`` gets."""
-    shared = gait_section(config())
-    solve = shared["solve"] | {"solver": shared["solve"]["solver"] | solver_settings}
-    return shared | {"solve": solve, "velocity": [vx, vy, yaw_rate]}
+    common = gait_section(config())
+    solve = common["solve"] | {"solver": common["solve"]["solver"] | solver_settings}
+    return common | {"solve": solve, "velocity": [vx, vy, yaw_rate]}

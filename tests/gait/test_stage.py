@@ -13,7 +13,7 @@ from slider.core.job import Job
 from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
 from slider.gait.stage import REPORT, WORTH, run
-from tests.gait.gaits import problem, section, solved
+from tests.gait.gaits import problem, section, solver
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -56,8 +56,8 @@ def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path):
 
 
 def test_a_reused_solver_gives_the_same_gait(gait):
-    solved(0.0, 0.0)  # another velocity in between leaves nothing behind
-    expected = coefficients(problem(), solved(0.6, 0.1).variables)[0]
+    solver().solve(0.0, 0.0)  # another velocity in between leaves nothing behind
+    expected = coefficients(problem(), solver().solve(0.6, 0.1).variables)[0]
     np.testing.assert_array_equal(np.load(gait[0] / "coefficients.npy"), expected)
 
 

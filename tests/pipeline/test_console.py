@@ -4,7 +4,6 @@ import logging
 from types import SimpleNamespace
 
 import pytest
-from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -58,9 +57,3 @@ def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
     assert console.progress is None
     assert hushed
     assert "no terminal" in capsys.readouterr().err
-
-
-def test_a_second_console_leaves_the_errors_of_groups_as_they_are(console):
-    Console(console.workflow)
-    group = SimpleNamespace(jobs=[], groupid="x")
-    GroupJob.log_error(group, msg="sbatch failed")

@@ -79,7 +79,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
 }
 MISFITS = [
-    ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+    ("gait.grid.vx.step=1.0e-9", "gait.grid: expected at most"),
     ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
     ("train.walking.velocities.vx=[0.3]", "vx: expected keys and values, found [0.3]"),
     ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),

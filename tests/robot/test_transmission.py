@@ -2,6 +2,7 @@
 
 # pyright: reportAttributeAccessIssue=false
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,12 +10,14 @@ import numpy as np
 import pytest
 
 from slider.config.compose import compose
+from slider.config.robot import Drive
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission, leg_inertia, leg_matrix
 
-CAPSTAN = "{torque: 8.0, speed: 120.0, stall_ratio: 2.0, inertia: 6.25e-4}"  # for round numbers
-ROBOT = compose([f"robot.drives.capstan={CAPSTAN}"], Path(__file__).parents[2] / "conf").robot
+SLIDER = compose([], Path(__file__).parents[2] / "conf").robot
+CAPSTAN = Drive(torque=8.0, speed=120.0, stall_ratio=2.0, inertia=6.25e-4)  # for round numbers
+ROBOT = replace(SLIDER, drives={**SLIDER.drives, "capstan": CAPSTAN})
 MOTORS = Transmission.of(ROBOT)
 RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors

@@ -69,7 +69,7 @@ def test_the_verification_holds(tmp_path):
 def test_speeds_without_an_evaluation_are_named(monkeypatch):
     one = Evaluation("policy", 1.0, Robots({"survived": np.array([True])}), label="policy (ours)")
     monkeypatch.setattr(Sources, "evaluations", lambda self, name: [one])
-    (note,) = content("tracking", sources({}, report=report(speeds=(7.0, 0.25)))).blocks
+    (note,) = content("tracking", sources({}, report=report("tracking", speeds=(7.0, 0.25)))).blocks
     assert note.markdown.endswith("not drawn: 7.0, 0.25 m/s.")
 
 

@@ -138,7 +138,10 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
         raise UserError(f"--keep: expected at least 1 plan, found {keep}")
     with nobody_else(store.locks):
         plans = plan_paths(store.root / "plans")
-        recipes = {recipe for path in plans[:keep] for recipe in read_plan(path).jobs}
+        try:
+            recipes = {recipe for path in plans[:keep] for recipe in read_plan(path).jobs}
+        except UserError as error:  # damaged, or of another version
+            raise UserError(f"{error}; `slider store verify` drops it") from None
         manifests = [path for path in store.manifests() if path.stem not in recipes]
         reached = (readable(path) for path in store.manifests() if path.stem in recipes)
         reachable = {manifest.result.object for manifest in reached if manifest}

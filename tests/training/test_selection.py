@@ -21,7 +21,6 @@ SETTINGS = SelectionConfig(
     duration=1.0,
     warm_up=0.2,
     fall_weight=10.0,
-    flight_weight=3.0,
 )
 
 
@@ -56,7 +55,7 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
 def test_score_by_hand(monkeypatch):
     score = score_of(monkeypatch, recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False]))
     relative = np.mean([0.01 / (0.01 + 0.0004), 0.0, 0.04 / (0.01 + 0.04)])
-    survivor = relative * 5.0 / (relative + 5.0) + 3.0 * 0.25
+    survivor = relative * 5.0 / (relative + 5.0)
     assert score.value == pytest.approx(10.0 / 4 + survivor * 3 / 4)
     assert score.success == 0.75
     assert score.speed_error == pytest.approx(0.1)

@@ -165,8 +165,6 @@ class SelectionConfig:
     """start that does not count for the error"""
     fall_weight: t.Positive[t.Number]
     """score of a robot that fell; one that tracks badly has less than half of it"""
-    flight_weight: t.NonNegative[t.Number]
-    """score of the share of time without contact"""
 
 
 @dataclass(frozen=True, config=t.STRICT)
@@ -195,14 +193,7 @@ class TrainConfig:
         NetworkConfig, t.ordered("std_min", "std_max"), t.ordered("std_min", "std_final")
     ]
     ppo: PpoConfig
-    selection: Annotated[
-        SelectionConfig,
-        t.Rule(
-            "flight_weight ≤ half of fall_weight: a robot that fell costs most",
-            lambda selection: selection.flight_weight <= selection.fall_weight / 2,
-            ("flight_weight", "fall_weight"),
-        ),
-    ]
+    selection: SelectionConfig
     disturbance: DisturbanceConfig
     sensing: Sensing
     """what agents receive: the true state, or its estimate from sensors on board"""

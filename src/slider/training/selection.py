@@ -23,9 +23,9 @@ class Score:
 
     Attributes:
         value: mean over the robots of what each costs: fall_weight for one that fell, and
-            b·e / (b + e) + flight_weight · flight for one that survived, b being fall_weight / 2
-            and e the survivors' mean of the mean squared velocity error / (0.01 + 0.01 v²).
-            However badly a robot tracks, that costs less than half of a fall.
+            b·e / (b + e) for one that survived, b being fall_weight / 2 and e the survivors' mean
+            of the mean squared velocity error / (0.01 + 0.01 v²). However badly a robot tracks,
+            that costs less than half of a fall.
         success: share of robots that survived.
         speed_error: mean over survivors of |mean forward velocity − command| [m/s]; NaN if none.
         flight: their mean share of time with no foot on the ground; NaN if none.
@@ -69,21 +69,18 @@ class Selector:
             controller, self._physics, self._env, self._start, self._command, config.duration
         )
         tracked = tracking(recording, config.warm_up, 0.1, 0.1)
-        quality = gait_quality(recording, config.warm_up)
         command = self._command[:, 0]
         success = float(tracked.survived.mean())
         error = _mean(tracked.squared_error_steady / (0.01 + 0.01 * command**2))
-        flight = _mean(quality.flight)
         bound = config.fall_weight / 2
         value = config.fall_weight * (1.0 - success)
         if success > 0:
-            survivor = bound * error / (bound + error) + config.flight_weight * flight
-            value += survivor * success
+            value += bound * error / (bound + error) * success
         return Score(
             value=value,
             success=success,
             speed_error=_mean(np.abs(tracked.mean_velocity - command)),
-            flight=flight,
+            flight=_mean(gait_quality(recording, config.warm_up).flight),
         )
 
 

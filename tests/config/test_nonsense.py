@@ -83,7 +83,6 @@ MISFITS = [
     ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
     ("train.walking.velocities.vx=[0.3]", "vx: expected keys and values, found [0.3]"),
     ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
-    ("train.walking.selection.flight_weight=6", "selection: expected flight_weight ≤ half of"),
     ("train.standing.network.activation=tanh", "network.activation: expected elu"),
     ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
     ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),

@@ -15,8 +15,8 @@ from slider.control.whole_body.memory import LEFT, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity, quintic
 from slider.control.whole_body.tasks import (
-    Part,
     Solved,
+    Task,
     feedback,
     pitch_and_yaw,
     point_velocity,
@@ -100,12 +100,12 @@ class MpcSteps(Stepping):
         height = support[:, 2] + (slope * (dynamics.com - support)[:, :2]).sum(axis=1)
         climb = (slope * dynamics.com_velocity[:, :2]).sum(axis=1)
         slope = memory.to_heading(memory.slope(robots, memory.foothold[robots]), robots)[:, 0]
-        parts = [
+        tasks = [
             *self._body.body(memory, robots, dynamics, flat, height, weight, climb),
             *self._swing(dynamics, foot, memory.swing[robots], heading, yaw_rate, np.arctan(slope)),
             self._body.stance(dynamics, feet, np.zeros(feet.shape)),
         ]
-        return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
+        return self._body.solve(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
 
     def _plan(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, rows: np.ndarray
@@ -135,7 +135,7 @@ class MpcSteps(Stepping):
         heading: np.ndarray,
         yaw_rate: np.ndarray,
         slope: np.ndarray,
-    ) -> list[Part]:
+    ) -> list[Task]:
         """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration.
 
         It is along ``heading`` and ``slope`` (n,) [rad], and free about its line.

@@ -12,7 +12,7 @@ from slider.control.whole_body.controller import PlantModel, Stepping, WalkingCo
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity
-from slider.control.whole_body.tasks import Part, Solved
+from slider.control.whole_body.tasks import Solved, Task
 from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
@@ -140,12 +140,12 @@ class HzdSteps(Stepping):
         self._place(walk, memory, robots, dynamics)
         ground = self._ground(walk, memory, robots)
         now = self._motion(walk, memory, robots, dynamics, ground)
-        parts = [
+        tasks = [
             self._outputs(walk, now, ground),
             self._body.stance(dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))),
         ]
         feet = memory.stance[robots, None]
-        solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
+        solved = self._body.solve(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
         # Yaw rates grow to the commanded ones; on the way none is zero, which could mean to stand.
         yaw_rate, target = memory.velocity[robots, 2], memory.target_yaw_rate[robots]
         most = self._config.yaw_acceleration * self._period
@@ -223,7 +223,7 @@ class HzdSteps(Stepping):
         result.rate[:] -= ground[1] * walk.rate[:, None]
         return result
 
-    def _outputs(self, walk: EnforcedSteps, now: Motion, ground: Orders) -> Part:
+    def _outputs(self, walk: EnforcedSteps, now: Motion, ground: Orders) -> Task:
         """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
 
         There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what

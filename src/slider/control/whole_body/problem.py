@@ -26,8 +26,8 @@ NUM_ACTUATED = len(_ACTUATED)
 _JOINTS = np.array(names.ACTUATED)
 
 
-Part = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Tasks of n robots: Jacobian (n, r, 18), desired J q̈ (n, r), the acceleration less the bias
+Task = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Rows r of n robots: Jacobian (n, r, 18), desired J q̈ (n, r), the acceleration less the bias
 J̇ q̇, and weight (r,)."""
 
 
@@ -64,7 +64,7 @@ class WholeBody:
         return points.reshape(len(feet), -1, NUM_DOFS)
 
     def build(
-        self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
+        self, dynamics: Dynamics, tasks: list[Task], feet: np.ndarray, loaded: np.ndarray
     ) -> Problem:
         """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force."""
         contact = self.contact_jacobian(dynamics, feet)
@@ -72,10 +72,10 @@ class WholeBody:
         size, cone = ranks + NUM_ACTUATED, self._cone(ranks)
         hessian, gradient = np.empty((n, size, size)), np.empty((n, size))
         efforts = np.empty((n, NUM_ACTUATED, size + 1))
-        rows, still = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
+        rows, offset = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
         rows[:, NUM_ACTUATED:] = cone
         terms = dynamics.mass_matrix, dynamics.bias, contact
-        jacobians, desired, weights = zip(*parts, strict=True)
+        jacobians, desired, weights = zip(*tasks, strict=True)
         targets = np.concatenate(jacobians, 1), np.concatenate(desired, 1)
         accelerations, forces = self._config.regularisation
         settings = np.repeat([forces, accelerations], [ranks, NUM_ACTUATED]), self._to_motors
@@ -87,7 +87,7 @@ class WholeBody:
             gradient,
             efforts,
             rows,
-            still,
+            offset,
         )
         low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
         largest = np.where(np.repeat(loaded, 2, axis=1), self._config.force_max, 0.0)
@@ -95,8 +95,8 @@ class WholeBody:
         force_low = -force_high
         force_low[:, 2::3] = 0.0
         zero = np.zeros((n, len(cone)))
-        lower = np.concatenate([force_low, low - still, zero - qp.UNBOUNDED], axis=1)
-        upper = np.concatenate([force_high, high - still, zero], axis=1)
+        lower = np.concatenate([force_low, low - offset, zero - qp.UNBOUNDED], axis=1)
+        upper = np.concatenate([force_high, high - offset, zero], axis=1)
         return Problem(hessian, gradient, rows, lower, upper, efforts)
 
     def _cone(self, ranks: int) -> np.ndarray:
@@ -154,40 +154,40 @@ def _reduce(
     gradient: np.ndarray,
     efforts: np.ndarray,
     rows: np.ndarray,
-    still: np.ndarray,
+    offset: np.ndarray,
 ) -> None:
-    """Cost, efforts and motor torques ``rows`` y + ``still`` in the unknowns y = (f, q̈ₐ).
+    """Cost, efforts and motor torques ``rows`` y + ``offset`` in the unknowns y = (f, q̈ₐ).
 
     With q̈ᵤ = S (y, 1), the cost is Σ (√w (Jᵤ S y + Jₐ q̈ₐ − b))² + ρ y² and the efforts are
     Mₐᵤ S y + Mₐₐ q̈ₐ + hₐ − Jₐᵀ f.
     """
-    (mass, bias, contact), (jacobian, desired, root), (damping, to_motors) = (
+    (mass, bias, contact), (jacobian, desired, root_weight), (damping, to_motors) = (
         terms,
         targets,
         settings,
     )
-    size, count, free = hessian.shape[1], len(root), len(_UNACTUATED)
-    square, follows = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
-    shares, scaled, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
-    image, coupling = np.empty((count, size + 1)), np.empty((NUM_ACTUATED, free))
-    motors, driven = np.empty((NUM_ACTUATED, size + 1)), np.empty((NUM_ACTUATED, NUM_DOFS))
+    size, count, free = hessian.shape[1], len(root_weight), len(_UNACTUATED)
+    mass_uu, unactuated = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
+    columns, weighted, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
+    product, coupling = np.empty((count, size + 1)), np.empty((NUM_ACTUATED, free))
+    motors, mass_rows = np.empty((NUM_ACTUATED, size + 1)), np.empty((NUM_ACTUATED, NUM_DOFS))
     for robot in range(len(mass)):
-        _eliminate(mass[robot], bias[robot], contact[robot], square, follows)
-        _image(jacobian[robot], follows, shares, image)
+        _eliminate(mass[robot], bias[robot], contact[robot], mass_uu, unactuated)
+        _multiply(jacobian[robot], unactuated, columns, product)
         for row in range(count):
             for column in range(size):
-                scaled[row, column] = root[row] * image[row, column]
-            target[row] = root[row] * (desired[robot, row] - image[row, size])
-        np.dot(scaled.T, scaled, hessian[robot])
-        np.dot(scaled.T, target, gradient[robot])
+                weighted[row, column] = root_weight[row] * product[row, column]
+            target[row] = root_weight[row] * (desired[robot, row] - product[row, size])
+        np.dot(weighted.T, weighted, hessian[robot])
+        np.dot(weighted.T, target, gradient[robot])
         for place in range(size):
             hessian[robot, place, place] += damping[place]
             gradient[robot, place] *= -1.0
         effort = efforts[robot]
         for row, joint in enumerate(_ACTUATED):
             for dof in range(NUM_DOFS):
-                driven[row, dof] = mass[robot, joint, dof]
-        _image(driven, follows, coupling, effort)
+                mass_rows[row, dof] = mass[robot, joint, dof]
+        _multiply(mass_rows, unactuated, coupling, effort)
         for row, joint in enumerate(_ACTUATED):
             for column in range(contact.shape[1]):
                 effort[row, column] -= contact[robot, column, joint]
@@ -196,20 +196,22 @@ def _reduce(
         for row in range(NUM_ACTUATED):
             for column in range(size):
                 rows[robot, row, column] = motors[row, column]
-            still[robot, row] = motors[row, size]
+            offset[robot, row] = motors[row, size]
 
 
 @part
-def _image(matrix: np.ndarray, follows: np.ndarray, shares: np.ndarray, image: np.ndarray) -> None:
-    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), by way of the columns ``shares`` (r, 8) of q̈ᵤ."""
-    first = follows.shape[1] - 1 - NUM_ACTUATED
+def _multiply(
+    matrix: np.ndarray, unactuated: np.ndarray, columns: np.ndarray, product: np.ndarray
+) -> None:
+    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), through its ``columns`` (r, 8) of q̈ᵤ."""
+    first = unactuated.shape[1] - 1 - NUM_ACTUATED
     for row in range(len(matrix)):
         for place, dof in enumerate(_UNACTUATED):
-            shares[row, place] = matrix[row, dof]
-    np.dot(shares, follows, image)
+            columns[row, place] = matrix[row, dof]
+    np.dot(columns, unactuated, product)
     for row in range(len(matrix)):
         for place, dof in enumerate(_ACTUATED):
-            image[row, first + place] += matrix[row, dof]
+            product[row, first + place] += matrix[row, dof]
 
 
 @part
@@ -217,20 +219,20 @@ def _eliminate(
     mass: np.ndarray,
     bias: np.ndarray,
     contact: np.ndarray,
-    square: np.ndarray,
-    follows: np.ndarray,
+    mass_uu: np.ndarray,
+    unactuated: np.ndarray,
 ) -> None:
     """Unactuated accelerations q̈ᵤ = S (f, q̈ₐ, 1): Mᵤᵤ S = (Jᵤᵀ, −Mᵤₐ, −hᵤ)."""
     ranks = len(contact)
     for row, joint in enumerate(_UNACTUATED):
         for column in range(ranks):
-            follows[row, column] = contact[column, joint]
+            unactuated[row, column] = contact[column, joint]
         for place, dof in enumerate(_ACTUATED):
-            follows[row, ranks + place] = -mass[joint, dof]
-        follows[row, ranks + NUM_ACTUATED] = -bias[joint]
+            unactuated[row, ranks + place] = -mass[joint, dof]
+        unactuated[row, ranks + NUM_ACTUATED] = -bias[joint]
         for place, dof in enumerate(_UNACTUATED):
-            square[row, place] = mass[joint, dof]
-    _solve(square, follows)
+            mass_uu[row, place] = mass[joint, dof]
+    _solve(mass_uu, unactuated)
 
 
 @part

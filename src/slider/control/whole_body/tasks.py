@@ -9,7 +9,7 @@ from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body.memory import FEET, Memory
 from slider.control.whole_body.model import NUM_DOFS, Dynamics
-from slider.control.whole_body.problem import Part, WholeBody
+from slider.control.whole_body.problem import Task, WholeBody
 from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
 
@@ -56,11 +56,11 @@ class BodyControl:
         weight = np.ones(3) * max(task.weight)
         feet = np.tile(FEET, (len(robots), 1))
         sinking = np.where(contact, 0.0, self._search)
-        parts = [
+        tasks = [
             *self.body(memory, robots, dynamics, flat, ground, weight),
             self.stance(dynamics, feet, sinking),
         ]
-        return self.solve(dynamics, parts, feet, contact)
+        return self.solve(dynamics, tasks, feet, contact)
 
     def body(
         self,
@@ -71,7 +71,7 @@ class BodyControl:
         ground: np.ndarray,
         weight: np.ndarray,
         climb: np.ndarray | float = 0.0,
-    ) -> list[Part]:
+    ) -> list[Task]:
         """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base.
 
         The ground under it rises by ``climb`` (n,) [m/s].
@@ -86,12 +86,12 @@ class BodyControl:
         ]
 
     def solve(
-        self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
+        self, dynamics: Dynamics, tasks: list[Task], feet: np.ndarray, loaded: np.ndarray
     ) -> Solved:
-        """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
-        return self._whole_body.solve(self._whole_body.build(dynamics, parts, feet, loaded))
+        """Torques for ``tasks`` on ``feet`` (n, k), of which those ``loaded`` carry."""
+        return self._whole_body.solve(self._whole_body.build(dynamics, tasks, feet, loaded))
 
-    def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Part:
+    def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Task:
         """Base upright, looking along ``heading`` (n,) [rad] that turns with ``yaw_rate`` (n,)."""
         n, rotation = len(heading), dynamics.base_rotation
         rate = -(rotation @ dynamics.qvel[:, 3:6, None])[..., 0]
@@ -103,7 +103,7 @@ class BodyControl:
         error = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
         return jacobian, *feedback(self._config.base, error, rate)
 
-    def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Part:
+    def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Task:
         """The lines of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
         n, count = feet.shape
         jacobian, desired = np.empty((n, count, _LINE, NUM_DOFS)), np.empty((n, count, _LINE))

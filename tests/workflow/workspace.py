@@ -257,7 +257,8 @@ def with_dummies(workspace: Workspace) -> Workspace:
     """Put stages in miniature in the place of the real ones."""
     source = workspace.folder / "src"
     modules: dict[Path, str] = {}
-    for stage in reversed(STAGES):  # import lines first
+    stages = {STAGES[stage].entry: stage for stage in sorted(STAGES, key=BODIES.__contains__)}
+    for stage in reversed([name for name in STAGES if name in stages.values()]):  # imports first
         module, _, function = STAGES[stage].entry.partition(":")
         path = source / f"{module.replace('.', '/')}.py"
         body = BODIES.get(stage, OTHER_BODY)

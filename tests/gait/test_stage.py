@@ -13,7 +13,7 @@ from slider.core.job import Job
 from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
 from slider.gait.stage import REPORT, WORTH, run
-from tests.gait.gaits import problem, section, solver
+from tests.gait.gaits import problem, quick_compiler, section, solver
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -47,7 +47,8 @@ def test_ipopts_option_file_in_the_working_directory_changes_no_byte(gait, tmp_p
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path):
+def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("CC", quick_compiler(tmp_path))
     out = tmp_path / "compiled"
     out.mkdir()
     run(section(0.6, 0.1), {}, out, Job(tmp_path, cache=tmp_path / "cache", waiting=WORTH))

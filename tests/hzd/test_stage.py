@@ -22,7 +22,7 @@ from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
 from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
-from tests.gait.gaits import config
+from tests.gait.gaits import config, quick_compiler
 from tests.hzd.sample import CLOCK, HIP, VELOCITIES, folder, library, steps
 
 HOLE = (0.9, 0.0, 0.0)
@@ -93,7 +93,8 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_path):
+def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", quick_compiler(tmp_path))
     said = []
     for name in ("first", "second"):
         out = tmp_path / name

@@ -92,9 +92,10 @@ def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
 UNMIRRORED = (*TINY, "env.phase.mirror=false")
 
 
-def make_run(folder, *overrides: str) -> Run:
-    whole, table = config(*UNMIRRORED, *overrides), gait_table()
-    walking, made = whole.train.walking, job(folder)
+def make_run(folder, symmetry: str = "none") -> Run:
+    whole, table, made = config(*UNMIRRORED), gait_table(), job(folder)
+    walking = whole.train.walking
+    walking = replace(walking, ppo=replace(walking.ppo, symmetry=symmetry))
     task = Task(whole.robot, whole.env, walking, table.times, make_guide(), table.joints)
     return Run(Trainer(task, made), made)
 
@@ -132,9 +133,7 @@ def test_reflections_follow_the_originals(tmp_path):
 
 @pytest.mark.parametrize("kind", ["augmentation", "loss"])
 def test_it_changes_what_is_learned(tmp_path, kind):
-    plain, symmetric = (
-        make_run(tmp_path / name, f"train.walking.ppo.symmetry={name}") for name in ("none", kind)
-    )
+    plain, symmetric = (make_run(tmp_path / name, name) for name in ("none", kind))
     for run in (plain, symmetric):
         run.trainer.run()
     assert not same(actor(plain.trainer), actor(symmetric.trainer))

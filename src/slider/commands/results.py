@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from slider.artefacts.current import add_store_argument
@@ -141,7 +140,7 @@ def summary(report: Path) -> str:
 
 
 def _two_digits(value: float) -> str:
-    return np.format_float_positional(value, precision=2, fractional=False)
+    return f"{value:#.2g}".rstrip(".")
 
 
 def markdown_tables(report: Path, count: int | None = None) -> str:

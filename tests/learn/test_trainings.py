@@ -20,8 +20,8 @@ from slider.training.trainer import WEIGHTS, Trainer
 from tests.env.synthetic import config
 from tests.training.test_trainer import Run, job
 
-GAITS = Path(__file__).parent / "gaits.npz"  # of the default library: 0 and 0.4 m/s, 0.42 s a step
-SPEED, STEP_TIME = 0.4, 0.42  # [m/s], [s]
+GAITS = Path(__file__).parent / "gaits.npz"  # of the default library: 0 and 0.4 m/s, 0.32 s a step
+SPEED, STEP_TIME = 0.4, 0.32  # [m/s], [s]
 ROBOTS, SECONDS, SETTLED = 40, 4.0, 1.5
 # Fewer robots and neurons, one command. Rewards, starts, disturbances and PPO are the default's.
 SHORT = (

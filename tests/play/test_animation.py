@@ -9,8 +9,10 @@ import pytest
 from PIL import Image
 
 from pipeline.stages.page import find_renderer
+from slider import cli
 from slider.env.rollout import Frame
 from slider.play import animation
+from slider.reports import film
 from tests.env.synthetic import CONF
 
 
@@ -48,3 +50,21 @@ def test_writes_pictures_that_move(tmp_path):
             pictures.append(np.asarray(image.convert("L"), dtype=int))
     assert np.ptp(pictures[0]) > 100  # not an empty picture
     assert (pictures[0] != pictures[1]).any()
+
+
+def test_shows_the_ground_below_the_robot(tmp_path, monkeypatch):
+    reliefs = []
+
+    def render(robot, frames, size, cameras, relief):
+        reliefs.append(relief)
+        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
+
+    monkeypatch.setattr(film, "render", render)
+    slope = "evaluation.disturbance.terrain={kinds:[slope_across],level:{lower:4,upper:4}}"
+    path = str(tmp_path / "walk.webp")
+    options = ["mpc_wbc_tuned", "--film", path, "--seconds", "1.0", "--conf", str(CONF)]
+    assert cli.main(["play", *options, "--set", slope]) == 0
+    (relief,) = reliefs
+    across, along = (np.diff(relief.heights, axis=axis).mean() for axis in (0, 1))
+    assert abs(across) == pytest.approx(0.02 * np.tan(np.radians(5.0)), rel=1e-6)
+    assert along == pytest.approx(0.0, abs=1e-9)

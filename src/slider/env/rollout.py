@@ -18,6 +18,7 @@ from slider.env import terminations
 from slider.env.instruments import Contacts, DriveLoads, join, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
+from slider.env.terrain import Terrain
 from slider.robot.names import GRAVITY
 
 
@@ -239,6 +240,11 @@ class Episode:
         self._state, self._steps = self._physics.read(), 0
         self._controller.reset(self._physics.measure(self._state), velocity)
         return self._frame()
+
+    @property
+    def terrain(self) -> Terrain | None:
+        """Uneven ground, if there is any."""
+        return self._physics.terrain
 
     def set_velocity(self, velocity: np.ndarray) -> None:
         """Command ``velocity`` (1, 3) from the next step on."""

@@ -39,7 +39,9 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     first = round(_WARM_UP * _FRAME_RATE)
     end = first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
-    rendered = list(film.render(scene.robot, shown[first // 2 : end], _SIZE, ("side",)))
+    seen, terrain = shown[first // 2 : end], scene.motion.terrain
+    ground = None if terrain is None else film.relief(terrain.ground, seen)
+    rendered = list(film.render(scene.robot, seen, _SIZE, ("side",), ground))
     pictures = [Image.fromarray(picture) for picture in rendered[first - first // 2 :]]
     path.parent.mkdir(parents=True, exist_ok=True)
     pictures[0].save(

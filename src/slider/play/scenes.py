@@ -25,6 +25,7 @@ from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Episode, Frame
 from slider.env.starts import at_rest, multiply_quaternions
+from slider.env.terrain import Terrain
 from slider.library.lookup import StepTimes
 from slider.library.mesh import distances
 from slider.library.reader import GaitLibrary
@@ -132,6 +133,11 @@ class Simulation:
         self._episode, self._robot, self._noise = episode, robot, config.evaluation.start
         self._generator = np.random.default_rng(seed)
 
+    @property
+    def terrain(self) -> Terrain | None:
+        """Uneven ground, if there is any."""
+        return self._episode.terrain
+
     def start(self, velocity: np.ndarray) -> Frame:
         """Place the robot at rest, with new noise."""
         place = at_rest(self._robot, self._noise, self._generator, 1)
@@ -168,6 +174,8 @@ class Replay:
     Attributes:
         velocity: of the gait nearest to the requested velocity (3,).
     """
+
+    terrain = None
 
     def __init__(self, library: GaitLibrary, velocity: Sequence[float], period: float) -> None:
         index = int(distances(library.velocities, velocity).argmin())

@@ -114,11 +114,15 @@ def test_an_installed_package_names_its_robot(written, tmp_path, monkeypatch):
     info = tmp_path / "theirs-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Name: theirs\nVersion: 1.0\n")
-    names = "theirs = their_robots:HERE\nslider = their_robots:HERE\n"
+    names = "theirs = their_robots:HERE\nslider = their_robots:HERE\nlost = their_robots:NOPE\n"
     (info / "entry_points.txt").write_text(f"[slider.robots]\n{names}")
     monkeypatch.syspath_prepend(tmp_path)
     assert compose(["robot=theirs"], CONF).robot.name == "mine"
     assert compose(["robot=slider"], CONF).robot.name == "slider"
+    with pytest.raises(
+        UserError, match=r"^robot=lost: expected one package .* no attribute 'NOPE'"
+    ):
+        compose(["robot=lost"], CONF)
     with pytest.raises(UserError, match=r"unknown option robot=their, expected one of: .*slider"):
         compose(["robot=their"], CONF)
 

@@ -83,8 +83,13 @@ def _path(text: str) -> Path | None:
     """File that an override names; of a folder its ``robot.yaml``."""
     if match := _PATH.fullmatch(text):
         path = Path(match[1]).expanduser()
-    elif packaged := entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot=")):
-        path = Path(next(iter(packaged)).load())
+    elif packaged := [*entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot="))]:
+        expected = f"one package with a path of that name in {ENTRY_POINTS}"
+        require(len(packaged) == 1, text, expected, ", ".join(one.value for one in packaged))
+        try:
+            path = Path(packaged[0].load())
+        except (ImportError, AttributeError, TypeError) as error:
+            raise UserError(f"{text}: expected {expected}, found: {error}") from None
     else:
         return None
     return path / "robot.yaml" if path.is_dir() else path

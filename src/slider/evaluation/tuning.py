@@ -1,4 +1,4 @@
-"""The stage ``tuning``: a search for a controller's settings with Optuna's TPE sampler.
+"""The stage ``tuning``: a search for a controller's settings with Optuna's Gaussian process.
 
 A trial is one set of settings at all speeds; the first has the present ones. Its score, to be
 minimised, is the mean over the speeds v of log10(e / v²): e is the mean over the robots of the
@@ -43,7 +43,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     else:
         study.enqueue_trial({name: setting(section["control"], name) for name in ranges})
     # A resumed search must not draw again what it has drawn.
-    study.sampler = optuna.samplers.TPESampler(seed=section["sampler_seed"] + done)
+    study.sampler = optuna.samplers.GPSampler(seed=section["sampler_seed"] + done)
     for number in range(done, section["trials"]):
         trial = study.ask(ranges)
         columns, score = _measure(section, inputs, trial.params, job.threads)

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from slider.artefacts.current import add_store_argument
@@ -131,7 +132,7 @@ def summary(report: Path) -> str:
         ranges = []
         for speed in distinct(read(report), "speed"):
             mine = [error for _, at, error in errors if at == speed]
-            ends = mine and (min(mine), max(mine))
+            ends = (np.min(mine), np.max(mine)) if mine else ()
             ranges.append("–".join(map(_two_digits, ends)))
         seeds = ", ".join(f"{seed:g}" for seed in sorted({seed for seed, *_ in errors}))
         policy = next(i for i, line in enumerate(lines) if "MSE" in line)

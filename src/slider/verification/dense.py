@@ -95,4 +95,4 @@ def legs_apart(gait: StoredGait, plant: Plant, points: int) -> dict[str, float]:
         for motion in gait.steps
         for time in np.linspace(0.0, motion.duration, points)
     ]
-    return {"dense_leg_distance": min(distances)}
+    return {"dense_leg_distance": float(np.min(distances))}

@@ -6,6 +6,7 @@ polynomials in time; the roll of the stance foot about its line obeys "no moment
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -63,9 +64,9 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         torque.append(_worst(torques - gait.knee_torques[sample]))
         effort.append(_worst(with_upper_feet(efforts) - gait.efforts[sample]))
     return {
-        "dynamics_torque": max(torque),
-        "dynamics_efforts": max(effort),
-        "dynamics_base": max(base),
+        "dynamics_torque": _worst(torque),
+        "dynamics_efforts": _worst(effort),
+        "dynamics_base": _worst(base),
         "dynamics_line_moment": _worst(gait.ground_wrench[:, 3]),
     }
 
@@ -81,7 +82,7 @@ def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     for before, after, side in touchdowns(gait, robot):
         velocity.append(_worst(robot.impact(before.q, before.v, side) - after.v))
         impulse.append(_worst(robot.impulse(before.q, before.v, after.v, side)))
-    return {"impact_velocity": max(velocity), "impact_impulse": max(impulse)}
+    return {"impact_velocity": _worst(velocity), "impact_impulse": _worst(impulse)}
 
 
 def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, FloatingState, str]]:
@@ -111,7 +112,7 @@ def mean_velocity(gait: StoredGait) -> dict[str, float]:
         ways = zip((0, 1), ends - starts, strict=True)
         travelled = [sum(_about_z(-gait.heading(step)).apply(way)[:2] for step, way in ways)]
     errors = [np.abs(way / walk - gait.velocities[:2]).max() for way in travelled]
-    return {"mean_velocity": float(max(errors))}
+    return {"mean_velocity": _worst(errors)}
 
 
 def _about_z(angle: float) -> Rotation:
@@ -139,7 +140,7 @@ def periodicity(gait: StoredGait) -> dict[str, float]:
         again = feet + both.apply(gait.base[0, :3])
         middle = np.concatenate([middle, gait.base[-1, :2] - again[:2]])
     jumps = (joints, height, (before * after.inv()).magnitude(), middle)
-    return {"periodicity": max(float(np.abs(jump).max()) for jump in jumps)}
+    return {"periodicity": _worst([_worst(jump) for jump in jumps])}
 
 
 def integrate_roll(
@@ -186,5 +187,5 @@ def roll(gait: StoredGait, robot: PinRobot, integrator: IntegratorConfig) -> dic
     return dict(zip(names, map(float, np.max(worst, axis=0)), strict=True))
 
 
-def _worst(values: np.ndarray) -> float:
+def _worst(values: ArrayLike) -> float:
     return float(np.abs(values).max())

@@ -158,4 +158,4 @@ def impact(gait: StoredGait, plant: Plant) -> dict[str, float]:
     for before, after, side in touchdowns(gait, plant.slides):
         velocity = plant.impact(plant_state(before), side)
         errors.append(np.abs(velocity - plant_state(after).qvel[_DRIVEN]).max())
-    return {"plant_impact": float(max(errors))}
+    return {"plant_impact": float(np.max(errors))}

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import torch
 
-from slider.config.train import CurriculumConfig, VelocitiesConfig
+from slider.config.train import VelocitiesConfig
 from slider.config.types import Interval
 from slider.env.interface import FLOAT64
-from slider.env.velocities import Curriculum, Random, VelocitySampler
+from slider.env.velocities import Random, VelocitySampler
 
 COUNT = 20000
 
@@ -19,8 +18,7 @@ def rng() -> Random:
 
 def sampler(period: float = 5.0, standing: float = 0.25) -> VelocitySampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
-    curriculum = CurriculumConfig(1.0, 0.1, 0.9)
-    config = VelocitiesConfig(*ranges, period, standing, curriculum, uneven=1.0)
+    config = VelocitiesConfig(*ranges, period, standing, uneven=1.0)
     return VelocitySampler(config, control_period=0.02, like=FLOAT64)
 
 
@@ -48,26 +46,3 @@ def test_rate_of_change(rng):
 def test_period_zero_never_changes(rng):
     changed = [sampler(period=0.0).changing(rng, COUNT) for _ in range(5)]
     assert sum(len(index) for index in changed) == 0
-
-
-def test_a_share_of_the_ranges_about_zero(rng):
-    commands = sampler(standing=0.0).sample(rng, COUNT, share=0.5).numpy()
-    assert commands.min(axis=0) == pytest.approx([0.1, -0.05, -0.25], abs=0.01)
-    assert commands.max(axis=0) == pytest.approx([1.5, 0.15, 0.25], abs=0.01)
-
-
-def test_the_share_grows_with_success_only():
-    curriculum = Curriculum(
-        CurriculumConfig(start=0.4, growth=0.35, success=0.9), window=10, like=FLOAT64
-    )
-
-    def note(ended: int, fallen: int) -> float:
-        robots = torch.arange(10)
-        curriculum.note(robots < ended, robots < fallen)
-        return curriculum.share.item()
-
-    assert note(ended=9, fallen=0) == 0.4, "the window is not full"
-    assert note(ended=1, fallen=1) == pytest.approx(0.75)
-    assert note(ended=10, fallen=2) == pytest.approx(0.75)
-    assert note(ended=10, fallen=0) == 1.0
-    assert note(ended=10, fallen=0) == 1.0

@@ -14,18 +14,6 @@ WARP = "slider.env.warp"
 
 
 @dataclass(frozen=True, config=t.STRICT)
-class CurriculumConfig:
-    """Velocities grow with success: their ranges are a share of the configured ones."""
-
-    start: t.Positive[t.Share]
-    """share at the start; 1: no curriculum"""
-    growth: t.Positive[t.Factor]
-    """added to the share"""
-    success: t.Positive[t.Share]
-    """share of as many episodes as there are robots that must end without a fall"""
-
-
-@dataclass(frozen=True, config=t.STRICT)
 class VelocitiesConfig:
     """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
@@ -36,7 +24,6 @@ class VelocitiesConfig:
     """mean time between changes; 0: never within an episode"""
     standing_fraction: t.Share
     """share of zero velocities"""
-    curriculum: CurriculumConfig
     uneven: Annotated[t.Share, Field(gt=0)]
     """on ground that is not flat velocities are this share of those drawn"""
 

@@ -23,7 +23,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
-from slider.env.velocities import Curriculum, Random, VelocitySampler
+from slider.env.velocities import Random, VelocitySampler
 from slider.library.lookup import GaitTable, JointTable, StepTimes
 from slider.library.reader import GaitLibrary
 from slider.robot.names import ACTUATED, NUM_JOINTS
@@ -90,7 +90,6 @@ class WalkingEnv(VecEnv):
     Attributes:
         physics: the simulated robots.
         agent: their observations, actions, clock and commands.
-        curriculum: share of the command ranges in use.
         reward: the configured sum of terms.
         diverged: (1,) simulations that blew up so far.
     """
@@ -122,7 +121,6 @@ class WalkingEnv(VecEnv):
         self._guide = None if task.guide is None else task.guide.on(like)
         self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
         self._commands = VelocitySampler(train.velocities, config.control_period, like)
-        self.curriculum = Curriculum(train.velocities.curriculum, self.num_envs, like)
         self._share: torch.Tensor | None = None  # of the velocities drawn, on uneven ground
         if self.physics.terrain is not None:
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
@@ -170,8 +168,6 @@ class WalkingEnv(VecEnv):
         log["/episode/falls_per_second"] = (1.0 * fell).mean() / self._config.control_period
         log["/episode/speed_error"] = speed_error.mean()
         log["/episode/diverged"] = (1.0 * state.diverged).sum()
-        if self.curriculum.enabled:
-            log["/episode/command_share"] = self.curriculum.share.mean()
         if self.physics.terrain is not None:
             log["/episode/terrain_level"] = self.physics.terrain.mean_level
         extras = {"time_outs": timed_out.float(), "log": log}
@@ -188,7 +184,6 @@ class WalkingEnv(VecEnv):
         self.episode_length_buf += 1
         timed_out = (self.episode_length_buf >= self.max_episode_length) & ~fell
         ended = fell | timed_out
-        self.curriculum.note(ended, fell)
         if self.physics.terrain is not None:
             crossed = timed_out & (torch.hypot(*state.base_position[:, :2].T) > _CROSSED)
             self.physics.terrain.grade(crossed.numpy(), fell.numpy())
@@ -224,7 +219,7 @@ class WalkingEnv(VecEnv):
         agent.refresh_heading(self._measured)
 
     def _draw_velocities(self, index: torch.Tensor) -> torch.Tensor:
-        velocities = self._commands.sample(self._rng, len(index), self.curriculum.share)
+        velocities = self._commands.sample(self._rng, len(index))
         return velocities if self._share is None else self._share[index, None] * velocities
 
     def _observe(self) -> None:

@@ -129,7 +129,6 @@ class Trainer:
             "best": self._best,
             "history": self._history,
             "curve": self._curve,
-            "command_share": self.env.curriculum.share.item(),
             "terrain_levels": self.env.terrain_levels,
         }
         write_checkpoint(content, self._job.work)
@@ -142,7 +141,6 @@ class Trainer:
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
-        self.env.curriculum.share[:] = content["command_share"]
         self.env.restore_levels(content["terrain_levels"])
         self._job.volatile["resumed"] = True
 

@@ -18,8 +18,8 @@ SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
 
 def section(trials: int = 3, seed: int = 1) -> dict:
     short = {"duration": 1.0, "warm_up": 0.4, "trials": 1, "robots": 2, "seed": 1000}
-    found = {"speed": None, "speeds": [0.2, 0.4], "trials": trials, "sampler_seed": seed}
-    return baseline(**short) | found | {"space": SPACE}
+    search = {"trials": trials, "sampler_seed": seed, "finalists": 2, "finalist_robots": 3}
+    return baseline(**short) | search | {"speed": None, "speeds": [0.2, 0.4], "space": SPACE}
 
 
 def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:
@@ -28,11 +28,12 @@ def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFr
     job = Job(folder / "work")
     summary = tuning.run(section(trials, seed), {}, folder / name, job)
     table = pd.read_csv(folder / name / tuning.CSV)
-    assert summary == {
-        "best": table["score"].argmin(),
-        "score": pytest.approx(table["score"].min(), abs=1e-4),
-    }
-    return table, job
+    searched, finalists = (table.query(f"finalist == {number}") for number in (0, 1))
+    best = finalists.sort_values("score").iloc[0]
+    assert summary == {"best": best["trial"], "score": pytest.approx(best["score"], abs=1e-4)}
+    drawn = searched[1:].sort_values("score")["trial"][:2]
+    assert list(finalists["trial"]) == [0, *drawn], "the present one and the best of the others"
+    return searched, job
 
 
 def test_a_fall_counts_as_standing_still():
@@ -91,10 +92,10 @@ def test_the_table_has_present_and_best_values(tmp_path):
     table = {"labels": names, "spaces": {"mpc_wbc_tuned": SPACE}, "robot": "slider"}
     searches = {"searches": [tmp_path / "search"]}
     summary = report.run(table, searches, tmp_path / "out", Job(tmp_path / "work"))
-    assert summary["trials"] == 3
+    assert summary["trials"] == 3 + 3
     text = (tmp_path / "out" / "baseline_tuning.md").read_text()
     assert "| step.apex | 0.05 to 0.09 | 0.077 |" in text
     assert "| Success rate [%], present | 100 | 100 |" in text
     rows = pd.read_csv(tmp_path / "out" / "baseline_tuning.csv")
-    assert list(rows["controller"]) == 3 * ["mpc_wbc_tuned"]
+    assert list(rows["controller"]) == 6 * ["mpc_wbc_tuned"]
     assert (tmp_path / "out" / "baseline_tuning.svg").is_file()

@@ -240,8 +240,12 @@ class TuningConfig:
     """commanded forward velocities, of one score"""
     robots: t.Count
     """per speed, each with its own start; the same in all trials"""
+    finalists: t.Count
+    """best trials that are measured again, as the present settings are"""
+    finalist_robots: t.Count
+    """per speed, more than ``robots``"""
     seed: t.Seed
-    """of the starts"""
+    """of the starts; the finalists' is the next one"""
     spaces: dict[str, dict[str, _Range]]
     """controller of ``control``, or NAME_onboard → dotted name of a number of it → range"""
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.tuning import CSV, ERROR, SUCCESS
+from slider.evaluation.tuning import CSV, ERROR, FINALIST, SUCCESS
 from slider.reports import rows as tables
 from slider.reports.figures.style import new_figure, write_pictures
 from slider.reports.quantities import QUANTITIES, colour, speed_text
@@ -19,6 +19,7 @@ from slider.reports.table import Cell, Picture, Table, Text, Written, grid, writ
 _CAPTION = """\
 The score is the mean over the commands v of log10(e / v²), with e the mean squared velocity error
 of the robots after the warm-up; a robot that falls counts with v². Trial 0 is the present one.
+The tables show finalists, which have more robots.
 """
 
 
@@ -38,17 +39,23 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     shown = [Text(_CAPTION), figure, *written]
     write_document(out / "baseline_tuning.md", "Tuned baselines", section["robot"], shown)
     job.tracker.log_file(out / "baseline_tuning.csv")
-    return {"trials": len(rows), "scores": {name: _best(trials[name])["score"] for name in names}}
+    scores = {name: _present_and_best(trials[name])[1]["score"] for name in names}
+    return {"trials": len(rows), "scores": scores}
 
 
-def _best(trials: Sequence[Row]) -> Row:
-    return min(trials, key=lambda row: row["score"])
+def _of(trials: Sequence[Row], finalist: int) -> list[Row]:
+    return [row for row in trials if row[FINALIST] == finalist]
+
+
+def _present_and_best(trials: Sequence[Row]) -> tuple[Row, Row]:
+    finalists = _of(trials, 1)
+    return finalists[0], min(finalists, key=lambda row: row["score"])
 
 
 def _blocks(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Iterator[Written]:
     """Settings, then success and error at each command, of the present and the best trial."""
-    present, best, label = trials[0], _best(trials), section["labels"][name]
-    score = f"trial {best['trial']:g} of {len(trials)}, score {best['score']:.3f}"
+    (present, best), label = _present_and_best(trials), section["labels"][name]
+    score = f"trial {best['trial']:g} of {len(_of(trials, 0))}, score {best['score']:.3f}"
     heads = [f"control.{name}", "range", f"present, score {present['score']:.3f}", score]
     body = [
         [
@@ -75,7 +82,7 @@ def _draw(trials: Mapping[str, Sequence[Row]], labels: Mapping[str, str]) -> Fig
     figure = new_figure(2.6)
     axes = figure.add_subplot()
     for index, (name, mine) in enumerate(trials.items()):
-        best = np.minimum.accumulate([row["score"] for row in mine])
+        best = np.minimum.accumulate([row["score"] for row in _of(mine, 0)])
         axes.step(range(len(best)), best, where="post", color=colour(index), label=labels[name])
     axes.set(xlabel="trial", ylabel="best score so far")
     axes.legend()

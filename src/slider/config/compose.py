@@ -115,6 +115,7 @@ def _mass(robot: Any) -> float:
 OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
 _register_scale("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))
+_register_scale("by_area", lambda robot: leg_scale(robot.geometry.leg_length) ** 2)
 _register_scale("by_time", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
 _register_scale("by_speed", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
 _register_scale("by_rate", lambda robot: leg_scale(robot.geometry.leg_length) ** -0.5)

@@ -19,7 +19,9 @@ SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
 def section(trials: int = 3, seed: int = 1) -> dict:
     short = {"duration": 1.0, "warm_up": 0.4, "trials": 1, "robots": 2, "seed": 1000}
     search = {"trials": trials, "sampler_seed": seed, "finalists": 2, "finalist_robots": 3}
-    return baseline(**short) | search | {"speed": None, "speeds": [0.2, 0.4], "space": SPACE}
+    whole = baseline(**short)
+    whole["evaluation"].pop("controllers", None)  # as the pipeline's section
+    return whole | search | {"speed": None, "speeds": [0.2, 0.4], "space": SPACE}
 
 
 def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:

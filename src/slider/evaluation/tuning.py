@@ -8,7 +8,6 @@ again as finalists, with more robots and other starts. A killed search goes on f
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -60,7 +59,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
     present, *drawn = trials = _complete(study)
     best = sorted(drawn, key=lambda trial: trial.values)[: section["finalists"]]
-    final = replace(protocol, robots=section["finalist_robots"], seed=protocol.seed + 1)
+    changed = {"robots": section["finalist_robots"], "seed": protocol.seed + 1}
+    final = from_dict(EvaluationConfig, section["evaluation"] | changed)
     rows = [_row(trial, 0, trial.user_attrs, trial.values[0]) for trial in trials]
     for number, trial in enumerate([present, *best]):
         job.progress(f"finalist {number + 1}/{len(best) + 1}")

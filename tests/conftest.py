@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from slider.artefacts.runner import limit_threads
+from slider.artefacts.store import Store
 from slider.config import compose as composing
 from tests import shared
 
@@ -60,6 +61,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _is_short(item: pytest.Item) -> bool:
     return item.get_closest_marker("workflow") is None
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "artefacts")
 
 
 @pytest.fixture(scope="session")

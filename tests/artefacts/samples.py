@@ -23,12 +23,15 @@ def compute(
     text: str = "",
     summary: dict[str, Any] | None = None,
     facts: dict[str, Any] | None = None,
+    **texts: str,
 ) -> Manifest:
-    """What a run of the job would leave, with its label and a text as content."""
+    """What a run of the job would leave: its label and a text, and CSV files of some texts."""
     with store.temporary("test") as out:
         (out / DATA).parent.mkdir()
         (out / DATA).write_text(f"{job.label} {text}")
         (out / "more.bin").write_bytes(bytes(3000))
+        for name, content in texts.items():
+            (out / f"{name}.csv").write_text(content)
         result = store.publish(out, summary or {"n": 1.5})
     objects = {
         name: [store.read_manifest(item.stage, item.recipe).result.object for item in jobs]
@@ -41,9 +44,25 @@ def compute(
     return manifest
 
 
+def fill(store: Store) -> Store:
+    """Compute every job of the plan."""
+    for job in PLAN.jobs.values():
+        compute(store, job)
+    return store
+
+
 def data(store: Store, manifest: Manifest) -> Path:
     """The file of a result that no other has."""
     return store.object_folder(manifest.result.object) / DATA
+
+
+def forge(path: Path, signed: bool = True, **entries: object) -> None:
+    """Change entries of a manifest and, so that it fits them, its digest."""
+    values = files.read_json(path) | entries
+    facts = {"facts": values.pop("facts")} if "facts" in values else {}
+    digest = values.pop("digest")
+    values["digest"] = files.digest_value(values) if signed else digest
+    path.write_text(files.canonical(values | facts))
 
 
 def damage(path: Path) -> None:

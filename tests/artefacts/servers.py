@@ -43,12 +43,11 @@ def s3_server() -> Iterator[str]:
     server = ThreadedMotoServer("127.0.0.1", 0, verbose=False)
     server.start()
     host, port = server.get_host_and_port()
+    settings = {"ENDPOINT_URL": f"http://{host}:{port}", "DEFAULT_REGION": "us-east-1"}
+    settings |= {"ACCESS_KEY_ID": "a", "SECRET_ACCESS_KEY": "b", "CONFIG_FILE": os.devnull}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("AWS_ENDPOINT_URL", f"http://{host}:{port}")
-        patch.setenv("AWS_ACCESS_KEY_ID", "someone")
-        patch.setenv("AWS_SECRET_ACCESS_KEY", "something")
-        patch.setenv("AWS_DEFAULT_REGION", "us-east-1")
-        patch.setenv("AWS_CONFIG_FILE", os.devnull)
+        for name, value in settings.items():
+            patch.setenv(f"AWS_{name}", value)
         s3fs.S3FileSystem.clear_instance_cache()
         bucket = uuid.uuid4().hex  # servers of one process share what they hold
         s3fs.S3FileSystem().mkdir(bucket)
@@ -97,9 +96,10 @@ def ssh_server(home: Path) -> Iterator[str]:
     listener = sync(loop, listen)
     public = host_key.export_public_key("openssh").decode()
     (folder / "known_hosts").write_text(f"[127.0.0.1]:{listener.get_port()} {public}")
-    settings = (f"Port {listener.get_port()}", "User me", f"IdentityFile {folder}/id_work")
-    lines = "\n  ".join((f"Host {HOST}", "HostName 127.0.0.1", *settings))
-    (folder / "config").write_text(f"{lines}\n")
+    (folder / "config").write_text(
+        f"Host {HOST}\n HostName 127.0.0.1\n Port {listener.get_port()}\n"
+        f" User me\n IdentityFile {folder}/id_work\n"
+    )
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", str(home))
         patch.delenv("SSH_AUTH_SOCK", raising=False)

@@ -5,6 +5,7 @@ import subprocess
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,27 +16,26 @@ from rocrate_validator.utils.http import HttpRequester
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
 from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
-from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, code_of
 from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
+from tests.artefacts.samples import DATA, compute, damage
 
 CODE = code_of("slider.library.stage:run")
-GAITS = [JobSpec("gait", f"gait {value}", CODE, {"value": value}) for value in (1, 2)]
+GAITS = [JobSpec("gait", "gait", CODE, {"value": value}) for value in (1, 2)]
 POLICY = JobSpec("walking", "training", CODE, {}, {"library": GAITS})
 TABLE = JobSpec("table1", "Table 1", CODE, {}, {"policy": [POLICY]})
 OTHERS = JobSpec("stability", "stability", CODE, {}, {"gaits": GAITS})
 PLAN = build_plan({"table1": TABLE, "walking": POLICY})
 OVERRIDES = "train.seed=2 gait.cost=torque"
-NAME = "table1.csv"
 START, MIDDLE, END = (f"2026-01-01T00:0{minute}:00.000+00:00" for minute in range(3))
 
 
 @pytest.fixture
 def project(tmp_path, monkeypatch) -> Path:
-    """A working copy with a store of three jobs; the two gaits have the same content."""
+    """A working copy with a store; the two gaits have the same content."""
     root = tmp_path / "a project"
     (root / "pipeline" / "profiles").mkdir(parents=True)
     (root / "pipeline" / "profiles" / "config.yaml").write_text("jobs: 1\n")
@@ -55,18 +55,9 @@ def project(tmp_path, monkeypatch) -> Path:
 
 def lay_out(store: Store, plan: Plan) -> None:
     for spec in plan.jobs.values():
-        with store.temporary("test") as out:
-            (out / "deep").mkdir()
-            (out / "deep" / "data.txt").write_text(spec.stage)
-            (out / NAME).write_text("a,b\n")
-            if spec.stage == "walking":
-                (out / "label.txt").write_text(spec.label)
-            result = store.publish(out, {"number": 1.0})
-        store.write_manifest(Manifest(spec.stage, spec.recipe, spec.input_recipes, result, {}))
-        facts = {"started": MIDDLE, "ended": END if spec is TABLE else MIDDLE}
-        facts |= {"overrides": OVERRIDES}
-        facts |= {"started": START} if spec is GAITS[0] else {}
-        files.write_json(store.sidecar_path(spec.stage, spec.recipe), facts)
+        facts = {"started": START if spec is GAITS[0] else MIDDLE, "overrides": OVERRIDES}
+        facts["ended"] = END if spec is TABLE else MIDDLE
+        compute(store, spec, facts=facts, table1="a,b\n")
     write_plan(plan, store.root / "plans")
 
 
@@ -100,15 +91,14 @@ def test_the_archive_has_every_file_the_actions_and_a_whole_store(project, capsy
         assert (folder / name).stat().st_size == graph[name]["contentSize"]
     assert not (folder / "untracked.txt").exists()
     assert (folder / "profiles" / "config.yaml").read_text() == "jobs: 1\n"
-    assert (folder / RESULTS / "table1" / NAME).read_text() == "a,b\n"
-    assert (folder / RESULTS / "policy" / "deep" / "data.txt").read_text() == "walking"
+    assert (folder / RESULTS / "table1" / "table1.csv").read_text() == "a,b\n"
 
     run, table = graph["#run"], graph[f"#{TABLE.recipe}"]
     assert (run["startTime"], run["endTime"]) == (START, END)
     assert line in run["description"]
     assert {"@id": "#overrides"} in run["object"]
     assert graph["#overrides"]["value"] == OVERRIDES
-    assert {"@id": f"{RESULTS}/table1/{NAME}"} in run["result"]
+    assert {"@id": f"{RESULTS}/table1/table1.csv"} in run["result"]
     assert table["object"] == [graph[f"#{POLICY.recipe}"]["result"]]
     assert graph[f"#{GAITS[0].recipe}"]["result"] == graph[f"#{GAITS[1].recipe}"]["result"]
     versions = {e["name"]: e["softwareVersion"] for e in graph.values() if "softwareVersion" in e}
@@ -131,41 +121,26 @@ def test_the_policy_is_that_of_the_table_or_of_the_first_target(project, names):
     assert main(["bundle", *names, "--out", "reports/table1.crate.zip"]) == 0
     found = entities(unpacked(project))
     title = found[f"#{first.recipe}"]["name"]
-    assert (unpacked(project) / RESULTS / "policy" / "label.txt").read_text() == title
+    assert (unpacked(project) / RESULTS / "policy" / DATA).read_text() == f"{title} "
 
 
-class Answer:
+def get(_, url: str, **__) -> SimpleNamespace:
     """What a request for a context gets, without a network."""
-
-    status_code, ok, headers = 200, True, {"Content-Type": "application/ld+json"}
-
-    def __init__(self, url: str) -> None:
-        if url == "https://w3id.org/ro/terms/workflow-run/context":
-            terms = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
-        else:
-            assert url == "https://w3id.org/ro/crate/1.1/context"
-            path = Path(data.__path__[0]) / "ro-crate.jsonld"
-            terms = json.loads(path.read_text())["@context"]
-            # The library has those of RO-Crate 1.3, where these places changed.
-            terms |= {name: f"https://bioschemas.org/{name}" for name in CHANGED}
-        self._values = {"@context": terms}
-
-    @property
-    def text(self) -> str:
-        return json.dumps(self._values)
-
-    def json(self) -> Any:
-        return self._values
-
-    def raise_for_status(self) -> None:
-        pass
-
-
-CHANGED = ("ComputationalWorkflow", "FormalParameter")
+    if url == "https://w3id.org/ro/terms/workflow-run/context":
+        terms = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
+    else:
+        assert url == "https://w3id.org/ro/crate/1.1/context"
+        terms = json.loads((Path(data.__path__[0]) / "ro-crate.jsonld").read_text())["@context"]
+        # The library has those of RO-Crate 1.3, where these places changed.
+        changed = ("ComputationalWorkflow", "FormalParameter")
+        terms |= {name: f"https://bioschemas.org/{name}" for name in changed}
+    values, headers = {"@context": terms}, {"Content-Type": "application/ld+json"}
+    facts = {"json": lambda: values, "text": json.dumps(values), "raise_for_status": lambda: None}
+    return SimpleNamespace(status_code=200, ok=True, headers=headers, **facts)
 
 
 def test_the_validator_of_the_profile_finds_nothing_required_missing(project, monkeypatch):
-    monkeypatch.setattr(HttpRequester, "get", lambda self, url, **_: Answer(url), raising=False)
+    monkeypatch.setattr(HttpRequester, "get", get, raising=False)
     assert main(["bundle", "table1"]) == 0
     folder = unpacked(project)
     assert issues(folder) == []
@@ -185,16 +160,14 @@ def issues(folder: Path) -> list[str]:
 
 def said(capsys, *arguments: str) -> str:
     assert main(["bundle", *arguments]) == 1
-    assert not list(Path().glob("reports/*"))
+    assert not [*Path().glob("reports/*")]
     (line,) = capsys.readouterr().err.splitlines()
     return line
 
 
 def test_a_damaged_result_is_not_packed(project, capsys):
-    found = project.glob("artefacts/objects/*/*/deep/data.txt")
-    path = next(path for path in found if path.read_text() == "gait")
-    path.chmod(0o644)
-    path.write_text("tiag")
+    store = Store(project / "artefacts")
+    damage(store.object_folder(store.read_manifest("gait", GAITS[0].recipe).result.object) / DATA)
     assert "expected the gait result" in said(capsys, "table1")
 
 

@@ -1,13 +1,12 @@
 """Expected times, and schedules that are known by hand."""
 
-import json
-
 import pytest
 
 from slider.artefacts.forecast import START, Forecast, expected, kind, remembered, size
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
+from slider.core import files
 
 
 def job(name: str, *inputs: JobSpec) -> JobSpec:
@@ -47,14 +46,9 @@ def test_a_slower_machine_is_noticed_and_reused_results_are_not():
     forecast.end(recipes[4], 31.0)
     pace = (30.0 + 20.0) / (15.0 + 20.0)
     assert forecast.left(31.0) == pytest.approx(90.0 * pace)
-
-
-def test_nothing_is_left_at_the_end():
-    one = job("a")
-    forecast = Forecast({one.recipe: one}, {one.recipe: 10.0}, 1)
-    forecast.began[one.recipe] = 0.0
-    forecast.end(one.recipe, 12.0)
-    assert (forecast.left(12.0), forecast.share(12.0)) == (0.0, 1.0)
+    for recipe in (*recipes[:3], *recipes[5:]):
+        forecast.end(recipe, 40.0)
+    assert (forecast.left(40.0), forecast.share(40.0)) == (0.0, 1.0)
 
 
 def evaluation(robots: int, controller: str = "hzd") -> JobSpec:
@@ -65,19 +59,17 @@ def evaluation(robots: int, controller: str = "hzd") -> JobSpec:
 
 def note(store: Store, job: JobSpec, **facts) -> None:
     path = store.sidecar_path(job.stage, job.recipe)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"kind": kind(job), "size": size(job)} | facts))
+    files.write_json(path, {"kind": kind(job), "size": size(job)} | facts)
 
 
-def test_times_are_those_of_earlier_jobs_in_proportion_to_their_size(tmp_path):
-    store = Store(tmp_path)
+def test_times_are_those_of_earlier_jobs_in_proportion_to_their_size(store):
     job, other = evaluation(100), evaluation(100, "mine")
     shipped = remembered(store, ["baseline"])
     assert expected(job, shipped) == pytest.approx(START + 0.5663, rel=1e-3)
     assert expected(other, shipped) == START + 5.0
     note(store, job, computed=True, wall_s=90.0, cpu_s=60.0)  # other programs' load is not ours
     note(store, evaluation(7), computed=False, wall_s=0.1, cpu_s=0.1)
-    (tmp_path / "baseline" / "torn.run.json").write_text("{")
+    (store.root / "baseline" / "torn.run.json").write_text("{")
     rates = remembered(store, ["baseline"])
     assert expected(job, rates) == pytest.approx(START + 60.0)
     assert expected(evaluation(200), rates) == pytest.approx(START + 120.0)

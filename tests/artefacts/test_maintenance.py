@@ -8,33 +8,30 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.current import current_plan
-from slider.artefacts.maintenance import (
-    Removed,
-    collect,
-    date_now,
-    drop_damaged,
-    summarise,
-    verify,
-)
+from slider.artefacts.maintenance import Removed, collect, date_now, drop_damaged, verify
 from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.samples import GAITS, LIBRARY, PLAN, TABLE, compute, damage, data
+from tests.artefacts.samples import GAITS, LIBRARY, PLAN, TABLE, compute, damage, data, fill
 
 GAIT = GAITS[0]
 ONE = build_plan({"table1": GAIT})
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
+def one(store) -> Store:
     """Manifest, index entry and plan of one gait."""
-    store = Store(tmp_path / "artefacts")
     compute(store, GAIT)
     write_plan(ONE, store.root / "plans")
     assert verify(store) == Removed([], [])
     return store
+
+
+@pytest.fixture
+def full(store) -> Store:
+    return fill(store)
 
 
 READ = ("plans/*.json", "index/*/*.json", f"gait/{GAIT.recipe}.json")
@@ -44,35 +41,27 @@ READ = ("plans/*.json", "index/*/*.json", f"gait/{GAIT.recipe}.json")
 @pytest.mark.parametrize(
     "content", [b"\xff\xfe", b"", b"{}", b'{"jobs": {"a": 3}}', b"[" * 100_000]
 )
-def test_verify_repairs(store, place, content, capsys):
+def test_verify_repairs(one, place, content, capsys):
     """It says what, once; then all can be written again."""
-    (path,) = store.root.glob(place)
+    (path,) = one.root.glob(place)
     path.write_bytes(content)
-    name = path.relative_to(store.root).as_posix()
-    assert main(["store", "--artefacts", str(store.root), "verify"]) == 1
+    name = path.relative_to(one.root).as_posix()
+    assert main(["store", "--artefacts", str(one.root), "verify"]) == 1
     assert f"dropped {name}, unreadable\n" in capsys.readouterr().out
-    assert verify(store) == Removed([], [])
-    write_plan(ONE, store.root / "plans")
-    assert current_plan(store) == ONE
-    assert compute(store, GAIT) == store.indexed(GAIT.key({}))
+    assert verify(one) == Removed([], [])
+    write_plan(ONE, one.root / "plans")
+    assert current_plan(one) == ONE
+    assert compute(one, GAIT) == one.indexed(GAIT.key({}))
 
 
-def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(store):
-    (path,) = (store.root / "plans").glob("*.json")
+def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(one):
+    (path,) = (one.root / "plans").glob("*.json")
     text = path.read_text()
     path.write_text(text.replace("gait 0", "goat 0"))
     assert write_plan(ONE, path.parent) == path
     assert path.read_text() == text
     path.write_text(text.replace("gait 0", "goat 0"))
-    assert verify(store).unreadable == [f"plans/{path.name}"]
-
-
-@pytest.fixture
-def full(tmp_path: Path) -> Store:
-    store = Store(tmp_path / "full")
-    for job in PLAN.jobs.values():
-        compute(store, job)
-    return store
+    assert verify(one).unreadable == [f"plans/{path.name}"]
 
 
 def paths(store: Store, *jobs) -> list[Path]:
@@ -112,8 +101,7 @@ def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
     assert drop_damaged(full, manifests) == Removed([], [])
 
 
-def test_collect_keeps_what_the_latest_plans_reach(tmp_path):
-    store = Store(tmp_path)
+def test_collect_keeps_what_the_latest_plans_reach(store):
     old, new = GAITS[:2]
     lost, kept = (compute(store, job).result.object for job in (old, new))
     for age, job in ((100, old), (0, new)):
@@ -130,7 +118,7 @@ def test_collect_keeps_what_the_latest_plans_reach(tmp_path):
     assert collect(store, keep=1) == removed
     assert not store.object_folder(lost).exists()
     assert store.is_whole(kept)
-    assert [manifests for manifests, *_ in summarise(store).values()] == [1]
+    assert store.manifests() == paths(store, new)
     assert store.indexed(old.key({})) is None
     with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):
         collect(store, keep=0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.recipe import ABSENT, closure, code_of, distribution, versions
+from slider.artefacts.recipe import ABSENT, closure, code_of, versions
 from slider.core.errors import UserError
 
 FILES = {
@@ -115,26 +115,15 @@ def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
 
 
 def test_version_by_package_name_even_where_the_distribution_is_called_otherwise():
-    found = versions(("casadi", "rsl_rl", "yaml"))
-    assert found["casadi"] == metadata.version("casadi")
-    assert found["rsl_rl"] == metadata.version("rsl-rl-lib")
-    assert found["yaml"] == metadata.version("PyYAML")
-
-
-def test_optional_package_that_is_not_installed():
-    assert versions(("no_such_package",))["no_such_package"] == ABSENT
+    """Pinocchio lies below a prefix; some packages are optional."""
+    names = {"casadi": "casadi", "rsl_rl": "rsl-rl-lib", "yaml": "PyYAML", "pinocchio": "pin"}
+    expected = {package: metadata.version(name) for package, name in names.items()}
+    expected |= {"no_such_package": ABSENT}
+    assert expected.items() <= versions((*expected,)).items()
 
 
 def test_package_without_distribution_is_refused(tmp_path, monkeypatch):
     (tmp_path / "orphan.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
-    message = "^expected an installed distribution with package orphan, found none$"
-    with pytest.raises(UserError, match=message):
+    with pytest.raises(UserError, match="expected an installed distribution with package orphan"):
         versions(("orphan",))
-
-
-def test_a_package_below_a_prefix_belongs_to_its_distribution():
-    found = distribution("pinocchio")
-    assert found is not None
-    assert found.name == "pin"
-    assert versions(("pinocchio",))["pinocchio"] == metadata.version("pin")

@@ -12,13 +12,7 @@ from fsspec.registry import _registry
 
 from slider.artefacts.remote import MARKER, DamageError, Remote
 from slider.core.errors import UserError
-from tests.artefacts.servers import (
-    KINDS,
-    anywhere,
-    http_server,
-    s3_server,
-    ssh_server,
-)
+from tests.artefacts.servers import KINDS, anywhere, http_server, s3_server, ssh_server
 
 FILES = fsspec.get_filesystem_class("file")
 
@@ -101,30 +95,28 @@ def test_an_address_that_is_none_is_one_line(address):
 
 
 def test_rights_and_full_disks_have_their_place(tmp_path, monkeypatch):
-    def refuse(*_, **__):
-        raise PermissionError(errno.EACCES, "Permission denied")
-
-    def fill(*_, **__):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    remote = Remote(str(tmp_path / "remote"))
-    with monkeypatch.context() as patch:
-        patch.setattr(FILES, "mkdir", refuse)
-        with pytest.raises(UserError, match=r"remote: Permission denied$"):
-            remote.open(create=True)
+    remote, new = Remote(str(tmp_path / "remote")), Remote(str(tmp_path / "new"))
     remote.open(create=True)
-    with monkeypatch.context() as patch:
-        patch.setattr(FILES, "info", refuse)  # no absence, else a push would replace it
-        with pytest.raises(UserError, match=r"remote: Permission denied$"):
-            remote.read(MARKER, 100)
-    with monkeypatch.context() as patch:
-        patch.setattr(FILES, "get_file", fill)  # here, not there
-        with pytest.raises(UserError, match=rf"^expected to write {tmp_path}/y, found: No space"):
-            remote.fetch(MARKER, tmp_path / "y", 100)
     before = sorted((tmp_path / "remote").rglob("*"))
-    monkeypatch.setattr(FILES, "mv", fill)
-    with pytest.raises(UserError, match="No space left"):
-        remote.write("x", "x")
+    refused, here = (
+        r"remote: Permission denied$",
+        f"^expected to write {tmp_path}/y, found: No space",
+    )
+    for method, number, message, attempt in (
+        ("mkdir", errno.EACCES, r"new: Permission denied$", lambda: new.open(create=True)),
+        # No absence, else a push would replace it.
+        ("info", errno.EACCES, refused, lambda: remote.read(MARKER, 100)),
+        ("get_file", errno.ENOSPC, here, lambda: remote.fetch(MARKER, tmp_path / "y", 100)),
+        ("mv", errno.ENOSPC, "remote: No space left", lambda: remote.write("x", "x")),
+    ):
+
+        def fail(*_, number=number, **__):
+            raise OSError(number, os.strerror(number))
+
+        with monkeypatch.context() as patch:
+            patch.setattr(FILES, method, fail)
+            with pytest.raises(UserError, match=message):
+                attempt()
     assert sorted((tmp_path / "remote").rglob("*")) == before
 
 

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 from slider import cli
-from slider.artefacts.manifest import Manifest, Result
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.commands.results import BLOCKS, MARKED
-from slider.core import files
+from tests.artefacts.samples import compute
 
 ROOT = Path(__file__).parents[2]
 DOCS = sorted((ROOT / "docs").rglob("*.md"))
@@ -56,13 +57,8 @@ def workspace(tmp_path, monkeypatch) -> Path:
     Path("reports").mkdir()
     Path("reports/table1.csv").write_text(TABLE)
     Path("reports/sweep.md").write_text(REPORT)
-    store = Store(Path("artefacts"))
-    with store.temporary("table1") as folder:
-        (folder / "table1.csv").write_text(TABLE)
-        result = store.publish(folder, {})
-    recipe = "ab" * 32
-    store.write_manifest(Manifest("table1", recipe, {}, Result(result.object, result.files, {})))
-    files.write_json(store.sidecar_path("table1", recipe), FACTS)
+    job = JobSpec("table1", "table 1", Code("", "", {}), {})
+    compute(Store(Path("artefacts")), job, facts=FACTS, table1=TABLE)
     return tmp_path
 
 

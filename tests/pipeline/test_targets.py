@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 
 from pipeline.targets import RULES, all_targets, marker_path, refresh_marker, report_files
-from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.store import Store
 from slider.config.compose import compose
 from slider.core.errors import UserError
+from tests.artefacts.samples import compute
 
 CONF = Path(__file__).parents[2] / "conf"
 SMALL = ["experiment=test", "report.sections=[table1]"]
@@ -55,14 +54,10 @@ def test_a_policy_that_is_not_there_stops_the_gauge_alone():
         targets(*missing, "report.sections=[gauge]")
 
 
-def test_a_marker_changes_whenever_the_report_is_not_the_plan_s(tmp_path):
-    store = Store(tmp_path / "artefacts")
+def test_a_marker_changes_whenever_the_report_is_not_the_plan_s(store, tmp_path):
     job = JobSpec("table1", "table 1", Code("a:run", "", {}), {})
     plan, report = build_plan({"table1": job}), tmp_path / "table1.csv"
-    with store.temporary("test") as out:
-        (out / "table1.csv").write_text("a\n")
-        result = store.publish(out, {})
-    store.write_manifest(Manifest("table1", job.recipe, {}, result))
+    compute(store, job, table1="a\n")
     marker = marker_path(store, "table1")
 
     def refreshed() -> list[str]:

@@ -103,13 +103,11 @@ def test_the_archive_has_every_file_the_actions_and_a_whole_store(project, capsy
     assert graph[f"#{GAITS[0].recipe}"]["result"] == graph[f"#{GAITS[1].recipe}"]["result"]
     versions = {e["name"]: e["softwareVersion"] for e in graph.values() if "softwareVersion" in e}
     assert CODE.versions.items() <= versions.items()
-
     store = Store(folder / "artefacts")
     assert verify(store) == Removed([], [])
     plan = current_plan(store)
     assert plan is not None
     assert all(job.code.parts for job in plan.jobs.values())
-    assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
 
 
 @pytest.mark.parametrize("names", [["table1", "ablation"], ["ablation", "table1"], ["ablation"]])

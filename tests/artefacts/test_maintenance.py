@@ -1,14 +1,13 @@
 """Care of the store: ``slider store verify`` repairs what it names, ``gc`` keeps recent plans."""
 
 import os
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from slider.artefacts.current import current_plan
-from slider.artefacts.maintenance import Removed, collect, date_now, drop_damaged, verify
+from slider.artefacts.maintenance import Removed, collect, drop_damaged, verify
 from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -125,14 +124,3 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     path.write_bytes(b"\xff")
     with pytest.raises(UserError, match=r"expected a plan, found none at .*store verify` drops it"):
         collect(store, keep=1)
-
-
-def test_only_what_is_from_the_future_is_dated(tmp_path):
-    store, late, early = Store(tmp_path), tmp_path / "late.json", tmp_path / "early.json"
-    now = time.time()
-    for path, moment in ((late, now + 3600), (early, now - 3600)):
-        path.write_text("{}")
-        os.utime(path, (moment, moment))
-    assert date_now(store, [late, early, tmp_path / "absent.json"]) == 1
-    assert abs(late.stat().st_mtime - now) < 60
-    assert abs(early.stat().st_mtime - now + 3600) < 1

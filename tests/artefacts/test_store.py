@@ -1,10 +1,9 @@
 """The store: publication, manifests, content that is read once, locks between processes."""
 
 import json
+import multiprocessing
 import shutil
-import signal
-import subprocess
-import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -111,28 +110,25 @@ def test_a_changed_object_is_not_whole_until_it_is_published_again(store, manife
     assert store.is_whole(manifest.result.object)
 
 
-HOLD = """
-import sys, time
-from pathlib import Path
-from slider.artefacts.store import exclusive
-
-with exclusive(Path(sys.argv[1]), "x"):
-    print("held", flush=True)
-    time.sleep(60)
-"""
-
-
 def test_a_name_is_held_until_its_process_ends_however_it_does(tmp_path: Path):
-    command = [sys.executable, "-c", HOLD, str(tmp_path)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
-        assert holder.stdout is not None
-        assert holder.stdout.readline() == b"held\n"
-        with pytest.raises(Timeout), exclusive(tmp_path, "x", timeout=0):
-            pass
-        message = f"^expected no running job in {tmp_path.parent}, found one$"
-        with exclusive(tmp_path, "y"), pytest.raises(UserError, match=message):
-            nobody_else(tmp_path).__enter__()
-        holder.send_signal(signal.SIGKILL)
+    fork = multiprocessing.get_context("fork")
+    held = fork.Event()
+
+    def hold() -> None:
+        with exclusive(tmp_path, "x"):
+            held.set()
+            time.sleep(60)
+
+    holder = fork.Process(target=hold)
+    holder.start()
+    assert held.wait(60)
+    with pytest.raises(Timeout), exclusive(tmp_path, "x", timeout=0):
+        pass
+    message = f"^expected no running job in {tmp_path.parent}, found one$"
+    with exclusive(tmp_path, "y"), pytest.raises(UserError, match=message):
+        nobody_else(tmp_path).__enter__()
+    holder.kill()
+    holder.join()
     with nobody_else(tmp_path):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["all.lock"]

@@ -13,9 +13,9 @@ Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
 
 
-def report(*sections: str, speeds: tuple[float, ...] = ()) -> dict[str, Any]:
+def report(*sections: str) -> dict[str, Any]:
     """Settings of a page."""
-    return to_dict(ReportConfig([*sections], [*speeds], VIDEO))
+    return to_dict(ReportConfig([*sections], [], VIDEO))
 
 
 def sources(inputs: dict[str, list[Path]], job: Job | None = None, **section: Any) -> Sources:

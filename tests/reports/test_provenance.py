@@ -11,14 +11,8 @@ OLD, NEW = "2026-01-01T00:00:00.000+00:00", "2026-01-02T00:00:00.000+00:00"
 
 
 def origin(stage: str, recipe: str) -> dict:
-    versions = {"numpy": "2.0"}
-    return {
-        "stage": stage,
-        "label": f"{stage} {recipe}",
-        "recipe": recipe * 8,
-        "source": "s" * 12,
-        "versions": versions,
-    }
+    about = {"stage": stage, "label": f"{stage} {recipe}", "recipe": recipe * 8}
+    return about | {"source": "s" * 12, "versions": {"numpy": "2.0"}}
 
 
 def facts(started: str, commit: str, dirty: str = "false", **others) -> dict:
@@ -26,21 +20,17 @@ def facts(started: str, commit: str, dirty: str = "false", **others) -> dict:
     return base | {"wall_s": 2.0, "cpu_s": 1.0, "ended": started, "machine": "one"} | others
 
 
-def table(found):
-    return [[cell.text for cell in row] for row in pick(found, Table)[0].rows]
-
-
-def says(found, text):
-    return any(text in block.markdown for block in pick(found, Text))
-
-
 def section(origins, times):
+    """Rows of the table, and the text around it."""
     folders = {name: [Path(f"/{i}") for i in range(len(jobs))] for name, jobs in origins.items()}
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
     job = Job(Path(), volatile=page, input_volatile=times)
-    given = sources(folders, job, configuration=configuration, origins=origins)
-    return content("provenance", given)
+    found = content(
+        "provenance", sources(folders, job, configuration=configuration, origins=origins)
+    )
+    rows = [[cell.text for cell in row] for row in pick(found, Table)[0].rows]
+    return rows, " ".join(block.markdown for block in pick(found, Text))
 
 
 def test_counts_what_this_pipeline_run_computed():
@@ -49,25 +39,22 @@ def test_counts_what_this_pipeline_run_computed():
         "library": [origin("library", "c")],
         "another": [origin("library", "c")],  # a result that two sections use
     }
-    times = {
-        "table1.evaluations": [facts(NEW, "1111"), facts(NEW, "2222", computed=False)],
-        "library": [facts(OLD, "3333", dirty="true", resumed=True)],
-        "another": [facts(OLD, "3333", dirty="true", resumed=True)],
-    }
-    found = section(origins, times)
-    assert says(found, "commit `beefbeef+`")
-    rows = {row[0]: row[1:] for row in table(found)}
-    assert list(rows) == ["gait library", "evaluation of the policy", "evaluation of the baselines"]
-    assert rows["gait library"][:3] == ["1", "0", "1"]
-    assert rows["gait library"][-1] == "33333333+"
-    assert rows["evaluation of the policy"][:3] == ["1", "1", "0"]
-    assert rows["evaluation of the baselines"][:3] == ["1", "0", "0"]
-    assert says(found, "Machine: one.")
+    times = {name: [facts(OLD, "3333", dirty="true", resumed=True)] for name in origins}
+    times["table1.evaluations"] = [facts(NEW, "1111"), facts(NEW, "2222", computed=False)]
+    rows, text = section(origins, times)
+    assert "commit `beefbeef+`" in text
+    assert [row[:4] for row in rows] == [
+        ["gait library", "1", "0", "1"],
+        ["evaluation of the policy", "1", "1", "0"],
+        ["evaluation of the baselines", "1", "0", "0"],
+    ]
+    assert rows[0][-1] == "33333333+"
+    assert "Machine: one." in text
 
 
 def test_results_from_before_this_was_recorded_say_so():
     origins = {"library": [origin("library", "c"), origin("library", "d")]}
     times = {"library": [{}, facts(OLD, "3333", machine="two")]}
-    found = section(origins, times)
-    assert table(found)[0][-1] == "33333333, not\u00a0recorded"
-    assert says(found, "Machines: not\u00a0recorded (gait library); two (gait library).")
+    rows, text = section(origins, times)
+    assert rows[0][-1] == "33333333, not\u00a0recorded"
+    assert "Machines: not\u00a0recorded (gait library); two (gait library)." in text

@@ -46,8 +46,7 @@ def test_intervals_and_ranges():
 
 def test_no_number_of_the_quality_is_left_out():
     ours, baseline = quality_tables(ROWS)
-    assert (ours.caption, baseline.caption) == ("policy (ours)", "MPC + WBC, tuned")
-    assert list(ours.columns) == ["at a command of [m/s]", "0.2", "1.2"]
+    assert list(ours.columns[1:]) == ["0.2", "1.2"]
     assert [[cell.text for cell in row] for row in ours.rows] == [
         ["Flight [% of time]", "2.4", "< 0.1"],
         ["Foot clearance [cm]", "9.00", "–"],

@@ -28,12 +28,8 @@ SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "mine"}
 
 def test_some_of_the_papers_numbers():
     rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows()}
-    assert rows["guided_drl", 3.0]["success_rate"] == 0.731
-    assert rows["guided_drl", 3.0]["mse"] == 1.6
-    assert rows["mpc_wbc", 0.6]["mse"] == 0.0593
+    assert rows["guided_drl", 3.0].items() >= {"success_rate": 0.731, "mse": 1.6}.items()
     assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
-    assert len(rows) == 14
-    assert {row["source"] for row in rows.values()} == {"paper"}
 
 
 def run_stage(folder, found, **inputs):
@@ -48,8 +44,7 @@ def test_the_stage(tmp_path):
     falls = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
     summary, out = run_stage(tmp_path, {0.2: walks, 3.0: falls})
     assert summary == {"rows": 2}
-    assert "Robot: mine" in (out / "table1.md").read_text().splitlines()
-    assert (out / "table1.tex").read_text().startswith("% Robot: mine. ")
+    assert all("Robot: mine" in (out / f"table1.{end}").read_text() for end in ("md", "tex"))
     rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
     assert list(rows[0]) == COLUMNS
     ours = [row for row in rows if row["source"] == "measured"]
@@ -67,22 +62,15 @@ def test_the_stage(tmp_path):
 def test_extremes_are_those_of_all_robots_that_survive():
     """Three robots, the last of which fell."""
     table = make_robots([[1, 1, 0]], [[1, 2, 9]])
-    columns = table.columns | {
-        "heading": np.array([0.1, 0.3, np.nan]),
-        "peak_effort": np.array([0.5, 0.9, np.nan]),
-        "peak_speed": np.array([0.8, 0.2, np.nan]),
-        "slip": np.array([0.02, 0.04, np.nan]),
-        "leg_distance": np.array([0.05, -0.01, np.nan]),
-        "legs_touch": np.array([0.0, 0.2, np.nan]),
-        "legs_cross": np.array([0.1, 0.3, np.nan]),
-    }
+    values = {"heading": (0.1, 0.3), "peak_effort": (0.5, 0.9), "peak_speed": (0.8, 0.2)}
+    values |= {"slip": (0.02, 0.04), "leg_distance": (0.05, -0.01)}
+    values |= {"legs_touch": (0.0, 0.2), "legs_cross": (0.1, 0.3)}
+    columns = table.columns | {name: np.array([*pair, np.nan]) for name, pair in values.items()}
     row = quality_row(Evaluation("policy", 0.6, Robots(columns)))
-    assert (row["heading"], row["heading_worst"]) == (pytest.approx(0.2), 0.3)
-    assert (row["peak_effort"], row["peak_speed"]) == (0.9, 0.8)
-    assert row["slip"] == pytest.approx(0.03)
-    assert row["leg_distance"] == -0.01
-    assert (row["legs_touch"], row["robots_touch"]) == (pytest.approx(0.1), 0.5)
-    assert (row["legs_cross"], row["robots_cross"]) == (pytest.approx(0.2), 1.0)
+    expected = {"heading": 0.2, "heading_worst": 0.3, "peak_effort": 0.9, "peak_speed": 0.8}
+    expected |= {"slip": 0.03, "leg_distance": -0.01, "legs_touch": 0.1, "robots_touch": 0.5}
+    expected |= {"legs_cross": 0.2, "robots_cross": 1.0}
+    assert {name: row[name] for name in expected} == pytest.approx(expected)
     controller, _, command, *others = quality_row(
         Evaluation("policy", 0.6, make_robots([[0]], [[1]]))
     ).values()
@@ -151,7 +139,7 @@ def test_a_metric_that_the_paper_does_not_have_is_ours_alone():
 
 
 def test_nobody_is_best_where_nobody_survives():
-    rows = [row_of("policy", 1.0, mse=math.inf), row_of("mpc_wbc", 1.0, "paper", mse=math.inf)]
+    rows = [row_of("policy", 1.0, mse=math.inf), ROWS[-1]]
     assert not any(cell.best for cell in compare(rows, WHOLE).rows[0])
 
 
@@ -159,10 +147,7 @@ def test_nobody_is_best_where_nobody_survives():
     ("value", "spread", "metric", "text"),
     [
         (0.996, 0.00516, SUCCESS, "99.6 % ± 0.5"),
-        (1.0, math.nan, SUCCESS, "100.0 %"),
         (0.000461344, 1.9e-5, STEADY, "0.000461 ± 0.000019"),
-        (0.0217, math.nan, WHOLE, "0.0217"),
-        (1.6, math.nan, WHOLE, "1.60"),
         (0.0, math.nan, WHOLE, "0.000"),
         (math.inf, math.nan, WHOLE, "∞"),
     ],
@@ -176,14 +161,12 @@ def test_success_has_its_interval_and_the_papers_has_none():
     rows = [row_of("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
     rows.append(row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
     _, ours, papers = compare(rows, SUCCESS).rows[0]
-    assert ours.text == "99.6 % [99.0, 99.8]"
-    assert papers.text == "100.0 %"
+    assert (ours.text, papers.text) == ("99.6 % [99.0, 99.8]", "100.0 %")
     assert (ours.best, papers.best) == (False, True)
 
 
 def test_latex_is_escaped_and_balanced():
     text = "".join(table.latex for table in comparisons(ROWS))
     assert "0.0246 & 0.500 & \\textbf{0.0221} & $\\infty$ \\\\" in text
-    assert "100.0 \\%" in text
     assert text.count("\\begin{tabular}") == text.count("\\end{tabular}") == len(table1.METRICS)
     assert not any(character in text for character in "±∞²–")

@@ -1,5 +1,6 @@
 """The stage ``figures``: which files, that they repeat, and what they must show."""
 
+import re
 from itertools import product
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from slider.core.job import Job
 from slider.library.reader import GaitLibrary
-from slider.reports.figures import FILES, NAMES, maps
+from slider.reports.figures import FILES, NAMES
 from slider.reports.figures.gaits import draw_cycles, draw_sheet, forward_gaits
 from slider.reports.figures.mapping import map_errors
 from slider.reports.figures.maps import draw_map
@@ -46,10 +47,7 @@ def test_writes_the_files_that_the_pipeline_publishes_without_dates_or_versions(
     assert {path.name for path in drawn.iterdir()} == set(FILES)
     assert set(DRAWINGS) == set(NAMES)
     for name in NAMES:
-        svg = (drawn / f"{name}.svg").read_text()
-        assert svg.lstrip().startswith("<?xml")
-        assert "dc:date" not in svg
-        assert "matplotlib.org" not in svg
+        assert not re.search("dc:date|matplotlib.org", (drawn / f"{name}.svg").read_text())
         assert f"({name}.svg)" in (drawn / f"{name}.md").read_text()
 
 
@@ -62,16 +60,13 @@ def test_the_same_library_gives_the_same_bytes(drawn, folder, tmp_path: Path):
 
 @pytest.mark.parametrize("velocities", [[(0.0, -0.1)], [(0.2, 0.0), (0.4, 0.0)]])
 def test_tiny_libraries_can_be_drawn(velocities, tmp_path: Path):
-    object_folder = write_store(tmp_path / "library", velocities).parent
-    out = tmp_path / "out"
-    out.mkdir()
-    run({}, {"library": [object_folder]}, out, Job(out))
-    assert {path.name for path in out.iterdir()} == set(FILES)
+    library = write_store(tmp_path / "library", velocities).parent
+    assert run({}, {"library": [library]}, tmp_path, Job(tmp_path)) == {"figures": len(NAMES)}
+    assert set(FILES) <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_captions_name_the_holes_and_what_they_violate(drawn):
     text = (drawn / "convergence.md").read_text()
-    assert "9 of 11 gaits converged" in text
     assert "hole at (0.5, 0) m/s: Infeasible_Problem_Detected; torso 0.3, at most 0" in text
     assert "hole at (2, 0.1) m/s" in text
 
@@ -124,13 +119,7 @@ def test_errors_of_equation_1_are_those_that_the_documents_state():
     assert not errors["slide"].any()
 
 
-def test_a_sheet_and_solve_times_can_be_drawn(library, tmp_path: Path):
-    times = np.linspace(0.4, 2.0, len(library))
-    times[0] = np.nan
+def test_a_sheet_can_be_drawn(library, tmp_path: Path):
     with style():
         save(draw_sheet(library, 3), tmp_path / "sheet.png")
-        save(maps.draw_times(library, times), tmp_path / "times.svg")
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
-    text = maps.times_caption(times)
-    assert "for 8 gaits" in text
-    assert "greatest 2.00 s" in text

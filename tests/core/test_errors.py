@@ -3,6 +3,8 @@
 import errno
 import os
 import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -11,20 +13,23 @@ from slider.core.errors import not_written
 from slider.core.files import write_atomic
 
 PLACE = Path("artefacts")
+PLACES = ("artefacts/logs/a.log", "reports/a.csv", ".snakemake/tmp")
 
 
-@pytest.fixture
-def small_files():
-    """Files of at most 100 bytes, as on a full disk."""
+@contextmanager
+def small_files() -> Iterator[None]:
+    """Files of at most 100 bytes, as on a full disk; pytest's own output, too."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_a_file_that_does_not_fit_is_named_and_leaves_nothing(tmp_path, small_files):
+def test_a_file_that_does_not_fit_is_named_and_leaves_nothing(tmp_path):
     path = tmp_path / "plan.json"
-    with pytest.raises(OSError, match="File too large") as caught:
+    with pytest.raises(OSError, match="File too large") as caught, small_files():
         write_atomic(path, "x" * 1000)
     found = not_written(caught.value, PLACE)
     assert str(found) == f"expected to write {path}, found: File too large"
@@ -37,41 +42,40 @@ def caused_by(cause: Exception) -> RuntimeError:
     return error
 
 
-@pytest.mark.parametrize(
-    "error",
-    [
-        OSError("1000 requested and 100 written"),  # as NumPy says it
-        caused_by(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))),
-    ],
-)
-def test_a_full_disk_counts_whoever_says_it(error):
-    expected = "expected to write artefacts, found: No space left on device"
-    assert str(not_written(error, PLACE)) == expected
-
-
-@pytest.mark.parametrize("error", [ValueError("3"), OSError(errno.ENOENT, "none"), OSError("odd")])
-def test_other_errors_are_left_alone(error):
-    assert not_written(error, PLACE) is None
-
-
 def denied(name: str) -> PermissionError:
     return PermissionError(errno.EACCES, "Permission denied", name)
 
 
-@pytest.mark.parametrize("name", ["artefacts/logs/a.log", "reports/a.csv", ".snakemake/tmp"])
-def test_a_missing_right_counts_where_the_pipeline_writes(name):
-    line = f"expected to write {name}, found: Permission denied"
-    assert str(not_written(denied(name), PLACE)) == line
-    assert str(not_written(denied(str(Path(name).absolute())), PLACE)).endswith("denied")
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-@pytest.mark.parametrize("name", ["ffmpeg", ".venv/bin/ffmpeg", "/usr/bin/ffmpeg"])
-def test_a_program_that_may_not_run_is_another_error(name):
-    assert not_written(denied(name), PLACE) is None
+@pytest.mark.parametrize(
+    ("error", "found"),
+    [
+        (OSError("1000 requested and 100 written"), "artefacts, found: No space left on device"),
+        (caused_by(FULL), "artefacts, found: No space left on device"),
+        *((denied(name), f"{name}, found: Permission denied") for name in PLACES),
+        *((denied(str(Path(n).absolute())), f"{Path(n).absolute()}, found: P") for n in PLACES),
+    ],
+)
+def test_a_full_disk_or_missing_right_counts_whoever_says_it(error, found):
+    """The first one as NumPy says it."""
+    assert str(not_written(error, PLACE)).startswith(f"expected to write {found}")
 
 
-@pytest.mark.parametrize("number", [errno.EACCES, errno.ENOSPC])
-def test_a_mistake_after_an_error_keeps_its_trace(number):
-    error = KeyError("a")
-    error.__context__ = OSError(number, os.strerror(number), "artefacts/a")
+def during(error: OSError) -> KeyError:
+    mistake = KeyError("a")
+    mistake.__context__ = error
+    return mistake
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        *(ValueError("3"), OSError(errno.ENOENT, "none"), OSError("odd")),
+        *map(denied, ("ffmpeg", ".venv/bin/ffmpeg", "/usr/bin/ffmpeg")),  # may not run
+        *map(during, (denied("artefacts/a"), FULL)),  # a mistake keeps its trace
+    ],
+)
+def test_other_errors_are_left_alone(error):
     assert not_written(error, PLACE) is None

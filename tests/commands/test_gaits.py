@@ -18,6 +18,7 @@ from tests.library.gaits import write_store
 GAITS = [(0.0, 0.0), (0.5, 0.0), (0.6, 0.1)]
 HOLES = [(0.6, 0.0)]
 CODE = Code("slider.none:run", "abc", {})
+STORE = Store(Path("artefacts"))
 
 
 @pytest.fixture(scope="module")
@@ -26,22 +27,21 @@ def library(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def plan(monkeypatch, tmp_path: Path) -> tuple[Store, dict[str, JobSpec]]:
-    """An empty store with a plan, in the working directory."""
+def job(monkeypatch, tmp_path: Path) -> JobSpec:
+    """Of the library, in the plan of an empty store, in the working directory."""
     monkeypatch.chdir(tmp_path)
     gaits = [JobSpec("gait", "gait", CODE, {"velocity": [*v, 0.0]}) for v in [*GAITS, *HOLES]]
     job = JobSpec("library", "library", CODE, {}, {"gaits": gaits})
-    store = Store(Path("artefacts"))
-    write_plan(build_plan({"library": job}), store.root / "plans")
-    return store, {"library": job}
+    write_plan(build_plan({"library": job}), STORE.root / "plans")
+    return job
 
 
-def publish(store: Store, job: JobSpec, made: Path) -> None:
+def publish(job: JobSpec, made: Path) -> None:
     """Put a library into the store as the result of a job."""
-    with store.temporary("test") as out:
+    with STORE.temporary("test") as out:
         shutil.copytree(made, out / "library.zarr")
-        result = store.publish(out, {})
-    store.write_manifest(Manifest(job.stage, job.recipe, {}, result))
+        result = STORE.publish(out, {})
+    STORE.write_manifest(Manifest(job.stage, job.recipe, {}, result))
 
 
 def said(capsys) -> str:
@@ -83,13 +83,12 @@ def test_export_writes_the_gait(library, capsys, tmp_path: Path, form):
         assert len(out.read_text().splitlines()) == 43
 
 
-def test_without_a_store_or_a_library_it_says_what_makes_one(plan, library, capsys):
-    store, jobs = plan
-    for folder in (store.root, Path("nowhere")):
+def test_without_a_store_or_a_library_it_says_what_makes_one(job, library, capsys):
+    for folder in (STORE.root, Path("nowhere")):
         assert main(["library", "show", "--artefacts", str(folder)]) == 1
         assert "no library of the current configuration yet" in (text := said(capsys))
         assert "`snakemake -j2 gait_library`" in text
-    publish(store, jobs["library"], library)
+    publish(job, library)
     assert main(["library", "show"]) == 0
     assert "3 of 4 gaits" in capsys.readouterr().out
 
@@ -108,13 +107,12 @@ def test_mistakes_are_one_line(library, capsys, arguments, message):
     assert message in said(capsys)
 
 
-def test_solve_times_come_from_beside_the_gaits(plan, library, capsys):
-    store, jobs = plan
-    publish(store, jobs["library"], library)
+def test_solve_times_come_from_beside_the_gaits(job, library, capsys):
+    publish(job, library)
     assert main(["library", "times"]) == 1
     assert "expected solve times" in said(capsys)
-    for index, gait in enumerate(jobs["library"].inputs["gaits"][:2]):
-        files.write_json(store.sidecar_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
+    for index, gait in enumerate(job.inputs["gaits"][:2]):
+        files.write_json(STORE.sidecar_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
     assert main(["library", "times"]) == 0
     assert "solve_times.svg is ready" in capsys.readouterr().out
     text = Path("reports/figures/solve_times.md").read_text()

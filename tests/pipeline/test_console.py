@@ -33,27 +33,23 @@ def test_chatter_is_dropped_and_errors_stay(console):
     assert not passes("Complete log(s): x.log")
 
 
-def test_events_of_jobs_with_a_recipe_are_followed(console):
+def test_events_of_jobs_are_followed_until_a_line_cannot_be_written(console, capsys):
+    """Such an error ends no run."""
     seen = []
+
+    def ended(recipe: str) -> None:
+        seen.append(("ended", recipe))
+        raise OSError("no terminal")
+
     console.progress = SimpleNamespace(
         began=lambda recipe: seen.append(("began", recipe)),
-        ended=lambda recipe: seen.append(("ended", recipe)),
+        ended=ended,
+        close=lambda: seen.append(("closed",)),
     )
     console._recipes = {3: "a", 4: "b"}
     assert not passes(event=LogEvent.JOB_STARTED, jobs=[3, 4, 9])
-    assert not passes(event=LogEvent.JOB_FINISHED, job_id=4)
-    assert not passes(event=LogEvent.JOB_FINISHED, job_id=9)  # a copy to reports/
-    assert seen == [("began", "a"), ("began", "b"), ("ended", "b")]
-
-
-def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
-    def fail(recipe: str) -> None:
-        raise OSError("no terminal")
-
-    hushed: list[bool] = []
-    console.progress = SimpleNamespace(ended=fail, close=lambda: hushed.append(True))
-    console._recipes = {3: "a"}
-    assert not passes(event=LogEvent.JOB_FINISHED, job_id=3)
+    for number in (9, 4, 3):  # the first one is a copy to reports/
+        assert not passes(event=LogEvent.JOB_FINISHED, job_id=number)
+    assert seen == [("began", "a"), ("began", "b"), ("ended", "b"), ("closed",)]
     assert console.progress is None
-    assert hushed
     assert "no terminal" in capsys.readouterr().err

@@ -62,7 +62,6 @@ def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
     shown.ended(table1)
     assert lines[-1].startswith("[4/4  100 %] table 1")
     shown.close(True)
-    assert "policy (ours) success [%]   100   100" in lines[-2]
     assert "HZD" in lines[-2]
     assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
 

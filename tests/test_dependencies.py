@@ -54,28 +54,23 @@ def providers(package: str) -> set[str]:
     return set(map(normal, known or ([found.name] if found else [])))
 
 
-def test_what_is_imported_is_declared():
-    extras = ("verify", "bundle", "remote", "gpu")
+@pytest.mark.parametrize(
+    ("folders", "extras"),
+    [(("src", "pipeline"), ("verify", "bundle", "remote", "gpu")), (("tests",), ("test",))],
+)
+def test_what_is_imported_is_declared(folders, extras):
     declared = names(REQUIRED).union(*(names(EXTRAS[extra]) for extra in extras))
-    missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
-    assert missing == set()
+    assert {name for name in imported(*folders) if not providers(name) & declared} == set()
 
 
 def test_table_1_needs_no_extra():
     """`make table1` installs none."""
-    stages = {
-        job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
-    }
+    jobs = build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
+    stages = {job.stage for job in jobs}
     modules = [STAGES[stage].entry.partition(":")[0] for stage in stages]
     used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
     assert {"torch", "casadi", "snakemake"} <= used
     assert {name for name in used if not providers(name) & names(REQUIRED)} == set()
-
-
-def test_what_tests_import_is_declared():
-    declared = names(REQUIRED) | names(EXTRAS["test"])
-    missing = {name for name in imported("tests") if not providers(name) & declared}
-    assert missing == set()
 
 
 def test_what_is_declared_is_imported():

@@ -5,23 +5,16 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from slider.config.compose import compose
 from slider.config.convert import to_dict
+from slider.core.files import flatten
 
 ROOT = Path(__file__).parents[1]
+ROBOT_PAGE = (ROOT / "docs/reference/robot.md").read_text()
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-
-
-def leaves(node: dict[str, Any], prefix: str = "robot") -> dict[str, Any]:
-    found = {}
-    for name, value in node.items():
-        key = f"{prefix}.{name}"
-        found |= leaves(value, key) if isinstance(value, dict) else {key: value}
-    return found
 
 
 def test_the_table_of_the_robot_is_the_configuration():
@@ -29,13 +22,12 @@ def test_the_table_of_the_robot_is_the_configuration():
     provenance = robot.pop("provenance")
     robot.pop("name")
     expected = {}
-    for key, value in leaves(robot).items():
-        path = key.removeprefix("robot.").split(".")
-        tags = [provenance.get(".".join(path[:end])) for end in range(len(path), 0, -1)]
+    for key, value in flatten({"robot": robot}).items():
+        path = key.split(".")
+        tags = [provenance.get(".".join(path[1:end])) for end in range(len(path), 1, -1)]
         text = str(list(value) if isinstance(value, tuple) else value)
         expected[key] = (text, next(tag for tag in tags if tag is not None))
-    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
-    rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", page, re.M)
+    rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", ROBOT_PAGE, re.M)
     assert {key: (value, tag) for key, value, tag in rows} == expected
     assert len(rows) == len(expected)
 
@@ -43,15 +35,13 @@ def test_the_table_of_the_robot_is_the_configuration():
 def test_the_mass_is_that_of_the_links():
     links = to_dict(compose([], ROOT / "conf").robot)["links"]
     mass = sum(link["mass"] * (1 if name == "base" else 2) for name, link in links.items())
-    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
-    assert f"The total mass is {mass:.2f} kg." in page
+    assert f"The total mass is {mass:.2f} kg." in ROBOT_PAGE
 
 
 def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
     robot = compose([], ROOT / "conf").robot
     motor, gains = robot.drives["capstan"], robot.gains["capstan"]
     r, n = robot.capstan.drum_radius, robot.capstan.foot_ratio
-    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
     for slide, ankle in (
         (f"{2 * motor.torque / r:.0f} N", f"{2 * motor.torque / n:.1f} N m"),
         (f"{motor.speed * r:.1f} m/s", f"{motor.speed * n:.0f} rad/s"),
@@ -59,7 +49,7 @@ def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
         (f"{2 * gains.kp / r**2:.0f} N/m", f"{2 * gains.kp / n**2:.1f} N m/rad"),
         (f"{2 * gains.kd / r**2:.1f} N s/m", f"{2 * gains.kd / n**2:.3f} N m s/rad"),
     ):
-        assert f"| {slide} | {ankle} |" in page
+        assert f"| {slide} | {ankle} |" in ROBOT_PAGE
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -74,13 +64,8 @@ def test_the_picture_of_the_readme_is_small():
 
 @pytest.mark.skipif(importlib.util.find_spec("mkdocs") is None, reason="needs the extra docs")
 def test_builds_without_a_broken_link(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "configuration.html").read_text()
     assert "gait.posture.clearance" in page

@@ -12,18 +12,8 @@ from slider.artefacts.recipe import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (
-    *(
-        "robot",
-        "gait",
-        "library",
-        "hzd",
-        "verification",
-        "env",
-        "control",
-        "training",
-        "evaluation",
-    ),
-    *("reports", "play", "bench", "commands"),
+    *("robot", "gait", "library", "hzd", "verification", "env", "control", "training"),
+    *("evaluation", "reports", "play", "bench", "commands"),
 )
 GROUND = {"core", "config", "artefacts", "tracking"}
 ALLOWED = {
@@ -87,12 +77,9 @@ def takes_the_encoding_of_the_locale(call: ast.Call) -> bool:
         return False
     if name in ("read_text", "write_text"):
         return len(call.args) == (name == "write_text")
-    modes = call.args[:1] if isinstance(call.func, ast.Attribute) else call.args[1:2]
-    modes = call.args[1:2] if name == "fdopen" else modes
-    return name in ("open", "fdopen") and any(
-        isinstance(mode, ast.Constant) and re.fullmatch("[rwaxt+]+", str(mode.value))
-        for mode in modes
-    )
+    of_a_path = isinstance(call.func, ast.Attribute) and name == "open"
+    modes = [m.value for m in call.args[not of_a_path :][:1] if isinstance(m, ast.Constant)]
+    return name in ("open", "fdopen") and any(re.fullmatch("[rwaxt+]+", str(m)) for m in modes)
 
 
 @pytest.mark.parametrize("stage", STAGES)

@@ -1,10 +1,8 @@
 """A headless Chromium of the system, and a finished pipeline to look at."""
 
-import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import pytest
 
@@ -13,7 +11,6 @@ from tests.workflow.workspace import finished as finished_pipeline
 
 CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 300.0  # for anything to happen on a busy machine [s]
-FINISHED = "SLIDER_FINISHED"  # folder of a finished pipeline, to look at instead of a tiny one
 
 
 @dataclass
@@ -42,9 +39,6 @@ def browser() -> Iterator[object]:
 @pytest.fixture(scope="session")
 def finished(browser, session_folder) -> Workspace:
     """A pipeline that ran up to its report, with tracking; nobody may change it."""
-    given = os.environ.get(FINISHED)
-    if given:
-        return Workspace(Path(given).resolve())
     return finished_pipeline(session_folder)
 
 

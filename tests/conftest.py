@@ -13,6 +13,7 @@ import pytest
 from slider.artefacts.runner import limit_threads
 from slider.artefacts.store import Store
 from slider.config import compose as composing
+from slider.core import machine
 from tests import shared
 
 # Machine code is compiled once for all stores that tests make.
@@ -61,6 +62,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _is_short(item: pytest.Item) -> bool:
     return item.get_closest_marker("workflow") is None
+
+
+@pytest.fixture
+def processor(monkeypatch):
+    """Pretend to have a processor of another kind."""
+
+    def pretend(flags: str, maker: str = "GenuineIntel", architecture: str = "x86_64") -> None:
+        values = {"flags": flags, "vendor_id": maker, "model name": "any"}
+        monkeypatch.setattr(machine, "cpuinfo", lambda field: values[field])
+        monkeypatch.setattr(machine.platform, "machine", lambda: architecture)
+        machine.kernels.cache_clear()
+
+    yield pretend
+    monkeypatch.undo()
+    machine.kernels.cache_clear()
 
 
 @pytest.fixture

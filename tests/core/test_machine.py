@@ -2,7 +2,6 @@
 
 import pytest
 
-from slider.core import machine
 from slider.core.errors import UserError
 from slider.core.machine import check_machine, device, kernels, precision
 
@@ -10,21 +9,6 @@ AVX2 = "sse2 avx2 fma"
 AVX512 = f"{AVX2} avx512f avx512bw avx512dq avx512vl"
 BF16 = f"{AVX512} avx512_bf16"
 AMX = f"{BF16} amx_tile amx_bf16"
-
-
-@pytest.fixture
-def processor(monkeypatch):
-    """Pretend to be another one."""
-
-    def pretend(flags: str, maker: str = "GenuineIntel", architecture: str = "x86_64") -> None:
-        values = {"flags": flags, "vendor_id": maker, "model name": "any"}
-        monkeypatch.setattr(machine, "cpuinfo", lambda field: values[field])
-        monkeypatch.setattr(machine.platform, "machine", lambda: architecture)
-        kernels.cache_clear()
-
-    yield pretend
-    monkeypatch.undo()
-    kernels.cache_clear()
 
 
 @pytest.fixture

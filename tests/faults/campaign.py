@@ -127,35 +127,24 @@ def expect(met: bool, trial: Trial, found: object) -> None:
         raise AssertionError(f"{trial.kind}: {trial.name}: found {found}")
 
 
-def run(every: int, only: str, scratch: Path) -> tuple[Counter[tuple[str, str]], list[str]]:
-    """Counts of (kind, outcome), and what failed."""
-    counts: Counter[tuple[str, str]] = Counter()
-    failures = []
-    with chain(scratch) as whole:
-        assert whole.complete().status == 0
-        chosen = (trial for trial in trials(whole, scratch) if only in trial.kind)
-        for number, trial in enumerate(islice(chosen, 0, None, every)):
-            pipeline = Chain(scratch / "trials" / str(number) / "chain", whole.plan)
-            try:
-                counts[trial.kind, outcome(trial, pipeline)] += 1
-            except AssertionError as error:
-                failures.append(str(error))
-    return counts, failures
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Print the counts; status 1 if a trial failed."""
+def main() -> int:
+    """Print the counts of each kind and outcome; status 1 if a trial failed."""
     parser = argparse.ArgumentParser("faults", description=__doc__)
     parser.add_argument("--every", type=int, default=1, metavar="N", help="each N-th trial")
-    parser.add_argument("--only", default="", metavar="KIND", help="part of the name of a kind")
-    chosen = parser.parse_args(arguments)
-    with tempfile.TemporaryDirectory() as scratch:
-        counts, failures = run(chosen.every, chosen.only, Path(scratch))
-    for (kind, word), number in sorted(counts.items()):
-        print(f"{kind:<36}{word:<20}{number:>5}")
-    for failure in failures:
-        print(failure, file=sys.stderr)
-    return int(bool(failures))
+    every = parser.parse_args().every
+    counts: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name, chain(Path(name)) as whole:
+        assert whole.complete().status == 0
+        for number, trial in enumerate(islice(trials(whole, Path(name)), 0, None, every)):
+            pipeline = Chain(Path(name) / "trials" / str(number) / "chain", whole.plan)
+            try:
+                counts[f"{trial.kind:<36}{outcome(trial, pipeline)}"] += 1
+            except AssertionError as error:
+                counts["failed"] += 1
+                print(error, file=sys.stderr)
+    for kind, number in sorted(counts.items()):
+        print(f"{kind:<56}{number:>5}")
+    return int("failed" in counts)
 
 
 if __name__ == "__main__":

@@ -1,17 +1,13 @@
 """The campaign in short, and that it would notice; ``make faults`` runs it in full."""
 
-import os
-import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
-from tests.workflow.workspace import QUIET, REPOSITORY, TABLE, copy_repository, with_dummies
+from tests.workflow.workspace import REPOSITORY
 
 SHORT = 19
-MOMENTS = 20
 
 
 def campaign(*arguments: str):
@@ -32,21 +28,3 @@ def test_all_trials():
     done = campaign("-m", "tests.faults.campaign")
     print(done.stdout)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.faults
-def test_a_run_that_is_killed_at_any_moment_goes_on(tmp_path):
-    whole = with_dummies(copy_repository(tmp_path / "whole"))
-    start = time.monotonic()
-    whole.computed()
-    duration = time.monotonic() - start
-    for moment in range(MOMENTS):
-        run = with_dummies(copy_repository(tmp_path / str(moment)))
-        process = run.start(TABLE, hydra=QUIET)
-        time.sleep(duration * (moment + 0.5) / MOMENTS)
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        run.snakemake("--unlock", hydra=QUIET)
-        run.computed()
-        assert run.table.read_text() == whole.table.read_text()
-        assert run.slider("store", "verify").returncode == 0

@@ -61,14 +61,8 @@ class Cluster:
 
     def ask(self, *command: str) -> str:
         """Output of a command of Slurm."""
-        done = subprocess.run(
-            command,
-            env=os.environ | self.environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
-        )
+        env = os.environ | self.environment
+        done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60)
         return done.stdout
 
     def queue(self) -> list[str]:

@@ -21,8 +21,7 @@ from tests.workflow.workspace import (
 pytestmark = pytest.mark.workflow
 
 
-def test_the_unpacked_project_has_the_plan_of_the_results(session_folder, tmp_path):
-    workspace = dummies_that_ran(session_folder, tmp_path / "project")
+def test_the_unpacked_project_has_the_plan_of_the_results(workspace, tmp_path):
     shutil.copy(REPOSITORY / "CITATION.cff", workspace.folder)
     (workspace.folder / ".gitignore").write_text("/artefacts\n/reports\n.snakemake\n__pycache__\n")
     workspace.computed("train.walking.iterations=5")
@@ -35,9 +34,7 @@ def test_the_unpacked_project_has_the_plan_of_the_results(session_folder, tmp_pa
         archive.extractall(tmp_path / "unpacked")
     unpacked = Workspace(tmp_path / "unpacked")
     before = unpacked.stages()
-    words = shlex.split(printed)
-    assert words[0] == "snakemake"
-    again = unpacked.command(["-m", *words])
+    again = unpacked.command(["-m", *shlex.split(printed)])
     assert again.returncode == 0, again.stderr
     assert unpacked.table.read_text() == workspace.table.read_text()
     assert unpacked.stages() == before
@@ -60,10 +57,11 @@ def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(giver, tm
     run = taker.snakemake(TABLE, hydra=f"{QUIET} store.remote={remote}")
     assert run.returncode == 0, run.stderr
     assert f"damaged in {remote}: expected the content of gait.txt, found another" in run.stderr
-    (line,) = [line for line in run.stderr.splitlines() if line.startswith("slider: from ")]
     waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
-    counts = set(line.partition(" (")[0].removeprefix(f"slider: from {remote}: ").split(", "))
-    assert {"1 taken", "1 damaged", f"{waiting} of other inputs"} < counts
+    start = f"slider: from {remote}: "
+    (line,) = [line for line in run.stderr.splitlines() if line.startswith(start)]
+    for count in (" 1 taken", " 1 damaged", f" {waiting} of other inputs"):
+        assert count in line
     assert taker.stages() == ["gait"]
     assert taker.table.read_text() == giver.table.read_text()
 

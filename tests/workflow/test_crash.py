@@ -14,15 +14,7 @@ from pathlib import Path
 import pytest
 
 from slider.cli import main
-from tests.workflow.workspace import (
-    AFTER_STANDING,
-    QUIET,
-    TABLE,
-    WAIT,
-    Workspace,
-    dummies_that_ran,
-    finished,
-)
+from tests.workflow.workspace import AFTER_STANDING, QUIET, TABLE, WAIT, Workspace
 
 pytestmark = pytest.mark.workflow
 
@@ -33,16 +25,6 @@ LOOKS = [
     ["gait", "show", "--vx", "0.4"],
     ["play", "--headless", "--seconds", "0.1"],
 ]
-
-
-@pytest.fixture(scope="module")
-def once(session_folder, tmp_path_factory) -> Workspace:
-    return dummies_that_ran(session_folder, tmp_path_factory.mktemp("crash") / "once")
-
-
-@pytest.fixture
-def workspace(once, tmp_path) -> Workspace:
-    return once.copy(tmp_path / "copy")
 
 
 def ours(text: str) -> list[str]:
@@ -95,8 +77,8 @@ def read_only(folder: Path) -> Iterator[None]:
         subprocess.run(["umount", "--lazy", folder], check=True)
 
 
-def test_a_read_only_store_can_be_looked_at(session_folder, tmp_path, monkeypatch):
-    workspace = finished(session_folder).copy(tmp_path / "copy")
+def test_a_read_only_store_can_be_looked_at(real, tmp_path, monkeypatch):
+    workspace = real.copy(tmp_path / "copy")
     with read_only(workspace.artefacts):
         dry = workspace.snakemake("-n", TABLE, hydra=LONGER)
         assert dry.returncode == 0, dry.stderr

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,7 +18,6 @@ from slider.artefacts.store import exclusive
 from tests import shared
 
 REPOSITORY = Path(__file__).parents[2]
-COPIED = ("Snakefile", "pipeline", "profiles", "conf", "src")
 TABLE = "reports/table1.csv"
 PAGE = "reports/index.html"
 QUIET = "tracking.enabled=false"
@@ -30,35 +29,26 @@ EVERYTHING = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
 # Stages in miniature, for tests that need many runs: the body of each stage's function.
 BODIES = {
     "gait": """
-    (out / "gait.txt").write_text(f"{speed(section)} {section['formulation']['nodes']}")
-    job.volatile["solve_s"] = 0.1
+    (out / "gait.txt").write_text(f"{sum(section['velocity'])} {section['formulation']['nodes']}")
     return {"converged": True}
 """,
     "library": """
     text = "\\n".join((folder / "gait.txt").read_text() for folder in inputs["gaits"])
     (out / "library.txt").write_text(text)
-    times = [facts["solve_s"] for facts in job.input_volatile["gaits"]]
-    job.tracker.log_table({"solve_s": times}, "gaits")
     return {"gaits": len(inputs["gaits"])}
 """,
-    "standing": """
-    (out / "policy.txt").write_text(str(section["train"]["iterations"]))
-    return {}
-""",
     "walking": """
+    import time
     checkpoint = job.work / "checkpoint.txt"
     job.volatile["resumed"] = checkpoint.is_file()
     checkpoint.write_text("half way")
     (out / "half.txt").write_text("half")
-    while (job.work.parents[3] / WAIT).exists():
+    while (job.work.parents[3] / "wait").exists():
         time.sleep(0.1)
     (out / "half.txt").unlink()
-    iterations = section["train"]["iterations"]
-    for step in range(iterations):
-        job.tracker.log_metrics({"reward": step / 2}, step)
     library = (inputs["library"][0] / "library.txt").read_text()
-    (out / "policy.txt").write_text(f"{iterations}\\n{library}")
-    return {"reward": iterations / 2}
+    (out / "policy.txt").write_text(f"{section['train']['iterations']}\\n{library}")
+    return {}
 """,
     "evaluation": """
     policy = (inputs["walking"][0] / "policy.txt").read_text()
@@ -78,18 +68,6 @@ OTHER_BODY = """
     return {}
 """
 WAIT = "wait"  # a file in the workspace, as long as which the dummy of a training goes on
-HEADS = {
-    "gait": """
-from typing import TYPE_CHECKING
-from slider.gait.tiny import speed
-if TYPE_CHECKING:
-    import casadi
-""",
-    "walking": f"""
-import time
-WAIT = "{WAIT}"
-""",
-}
 
 
 @dataclass(frozen=True)
@@ -100,14 +78,12 @@ class Workspace:
 
     def snakemake(self, *arguments: str, hydra: str = "", **environment: str):
         """Run Snakemake with overrides; never raises."""
-        words = ["-m", "snakemake", "-j2", *arguments, "--config", f"hydra=experiment=test {hydra}"]
-        return self.command(words, **environment)
+        return self.command(_snakemake(arguments, hydra), **environment)
 
     def start(self, *arguments: str, hydra: str = "", **environment: str):
         """Start Snakemake with overrides, in a process group of its own; do not wait for it."""
-        words = ["-m", "snakemake", "-j2", *arguments, "--config", f"hydra=experiment=test {hydra}"]
         return subprocess.Popen(
-            [sys.executable, *words],
+            [sys.executable, *_snakemake(arguments, hydra)],
             cwd=self.folder,
             env=self._environment(environment),
             stderr=subprocess.PIPE,
@@ -195,6 +171,10 @@ class Workspace:
         file.write_text(text.replace(old, new))
 
 
+def _snakemake(arguments: Iterable[str], hydra: str) -> list[str]:
+    return ["-m", "snakemake", "-j2", *arguments, "--config", f"hydra=experiment=test {hydra}"]
+
+
 def _words(path: Path) -> list[str]:
     try:
         return path.read_text().split("\0")
@@ -214,70 +194,61 @@ def _compiled() -> Path:
 
     The test processes write beside the sources of the repository; nobody writes here.
     """
-    done, folder = shared.folder() / "repository.done", shared.folder() / "repository"
-    with exclusive(shared.folder(), "repository"):
+
+    def compile_all(folder: Path) -> None:
+        for name in ("pipeline", "profiles", "conf", "src"):
+            no_bytecode = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(REPOSITORY / name, folder / name, ignore=no_bytecode)
+        shutil.copy(REPOSITORY / "Snakefile", folder)
+        words = ["-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
+        compiled = Workspace(folder).command([*words, "src", "pipeline"])
+        assert compiled.returncode == 0, compiled.stderr
+
+    return _once(shared.folder(), "repository", compile_all)
+
+
+def _once(parent: Path, name: str, make: Callable[[Path], object]) -> Path:
+    """A folder that one process makes while the others wait."""
+    done, folder = parent / f"{name}.done", parent / name
+    with exclusive(parent, name):
         if not done.exists():
             shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir()
-            _copy_sources(folder)
-            compile_all = ["-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
-            compiled = Workspace(folder).command([*compile_all, "src", "pipeline"])
-            assert compiled.returncode == 0, compiled.stderr
+            make(folder)
             done.touch()
     return folder
-
-
-def _copy_sources(folder: Path) -> None:
-    for name in COPIED:
-        source = REPOSITORY / name
-        if source.is_dir():
-            no_bytecode = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(source, folder / name, ignore=no_bytecode)
-        else:
-            shutil.copy(source, folder / name)
 
 
 def finished(folder: Path) -> Workspace:
     """A tracked pipeline that ran from nothing to its table and its page, in a hostile folder.
 
-    All who ask for it with the same folder share it, in whatever process they are: the first one
-    runs it while the others wait. Copy it before you change it.
+    All who ask for it with the same folder share it. Copy it before you change it.
     """
-    done, workspace = folder / "finished.done", Workspace(folder / HOSTILE)
-    with exclusive(folder, "finished"):
-        if not done.exists():
-            shutil.rmtree(workspace.folder, ignore_errors=True)
-            run = copy_repository(workspace.folder).snakemake(TABLE, PAGE)
-            assert run.returncode == 0, run.stderr
-            done.touch()
-    return workspace
+
+    def run(folder: Path) -> None:
+        done = copy_repository(folder).snakemake(TABLE, PAGE)
+        assert done.returncode == 0, done.stderr
+
+    return Workspace(_once(folder, HOSTILE, run))
 
 
 def with_dummies(workspace: Workspace) -> Workspace:
     """Put stages in miniature in the place of the real ones."""
-    source = workspace.folder / "src"
     modules: dict[Path, str] = {}
     stages = {STAGES[stage].entry: stage for stage in sorted(STAGES, key=BODIES.__contains__)}
-    for stage in reversed([name for name in STAGES if name in stages.values()]):  # imports first
-        module, _, function = STAGES[stage].entry.partition(":")
-        path = source / f"{module.replace('.', '/')}.py"
-        body = BODIES.get(stage, OTHER_BODY)
-        text = f"def {function}(section, inputs, out, job):{body}\n\n"
-        modules[path] = HEADS.get(stage, "") + "\n\n" + text + modules.get(path, "")
+    for entry, stage in stages.items():
+        module, _, function = entry.partition(":")
+        path = workspace.folder / f"src/{module.replace('.', '/')}.py"
+        text = f"def {function}(section, inputs, out, job):{BODIES.get(stage, OTHER_BODY)}\n\n"
+        modules[path] = modules.get(path, "") + text
     for path, text in modules.items():
         path.write_text(text)
-    (source / "slider" / "gait" / "tiny.py").write_text(
-        "def speed(section):\n    return sum(section['velocity'])\n"
-    )
     return workspace
 
 
 def dummies_that_ran(session: Path, folder: Path) -> Workspace:
     """A copy of a pipeline of dummies that ran from nothing to its table, once per session."""
-    done, workspace = session / "dummies.done", Workspace(session / "dummies")
-    with exclusive(session, "dummies"):
-        if not done.exists():
-            shutil.rmtree(workspace.folder, ignore_errors=True)
-            assert with_dummies(copy_repository(workspace.folder)).computed() == EVERYTHING
-            done.touch()
-    return workspace.copy(folder)
+
+    def run(folder: Path) -> None:
+        assert with_dummies(copy_repository(folder)).computed() == EVERYTHING
+
+    return Workspace(_once(session, "dummies", run)).copy(folder)

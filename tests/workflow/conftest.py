@@ -1,0 +1,17 @@
+"""Pipelines that ran."""
+
+import pytest
+
+from tests.workflow.workspace import Workspace, dummies_that_ran, finished
+
+
+@pytest.fixture(scope="session")
+def real(session_folder) -> Workspace:
+    """A pipeline that ran from nothing to its table and its page, once; nobody may change it."""
+    return finished(session_folder)
+
+
+@pytest.fixture
+def workspace(session_folder, tmp_path) -> Workspace:
+    """A pipeline of stages in miniature that ran."""
+    return dummies_that_ran(session_folder, tmp_path / "copy")

@@ -27,30 +27,21 @@ run(section, {"walking": [folder]}, folder / "out", Job(folder))
 """
 
 
-def film(folder: Path, renderer: str, *overrides: str):
-    config = compose(["experiment=test", *overrides], CONF)
+def film(folder: Path, *overrides: str) -> Path:
+    """Result of the stage, whose files are in a folder ``out``."""
+    config = to_dict(compose(["experiment=test", *overrides], CONF))
     write_policy(folder / "policy.pt", *overrides)
-    robot = to_dict(config.robot)
-    robot.pop("provenance")
-    video = to_dict(config.report.video) | {"renderer": renderer}
-    section = {
-        "robot": robot,
-        "env": to_dict(config.env),
-        "start": to_dict(config.evaluation.start),
-        "disturbance": to_dict(config.evaluation.disturbance),
-        "video": video,
-        "controller": "policy",
-        "label": "policy (ours)",
-        "speed": 0.2,
-    }
+    config["robot"].pop("provenance")
+    section = {name: config["evaluation"][name] for name in ("start", "disturbance")}
+    section |= {"robot": config["robot"], "env": config["env"], "speed": 0.2}
+    section |= {"video": config["report"]["video"] | {"renderer": find_renderer()}}
+    section |= {"controller": "policy", "label": "policy (ours)"}
     (folder / "section.json").write_text(json.dumps(section))
     (folder / "out").mkdir()
-    return subprocess.run(
-        [sys.executable, "-c", RUN, str(folder / "section.json"), str(folder)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-c", RUN, str(folder / "section.json"), str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
 
 
 def _width(picture: np.ndarray) -> int:
@@ -62,21 +53,17 @@ def _width(picture: np.ndarray) -> int:
 @pytest.fixture(scope="module")
 def flat(tmp_path_factory) -> Path:
     """Folder of a film on the plane."""
-    folder = tmp_path_factory.mktemp("flat")
-    done = film(folder, find_renderer())
-    assert done.returncode == 0, done.stderr
-    return folder
+    return film(tmp_path_factory.mktemp("flat"))
 
 
-def first_picture(folder: Path) -> np.ndarray:
-    with av.open(str(folder / "out/video.mp4")) as container:
+def first_picture(out: Path) -> np.ndarray:
+    with av.open(str(out / "video.mp4")) as container:
         return next(container.decode(video=0)).to_ndarray(format="rgb24").astype(int)
 
 
 def test_films_what_the_configuration_asks_for(flat, tmp_path):
-    assert film(tmp_path, find_renderer()).returncode == 0
-    out = flat / "out"
-    with av.open(str(out / "video.mp4")) as container:
+    again = film(tmp_path)
+    with av.open(str(flat / "video.mp4")) as container:
         stream = container.streams.video[0]
         assert (stream.codec.name, stream.width, stream.height) == ("h264", 160, 96)
         assert stream.average_rate == 25
@@ -87,16 +74,15 @@ def test_films_what_the_configuration_asks_for(flat, tmp_path):
     left, right = np.hsplit(pictures[0][:60].astype(int), 2)  # above the text
     assert np.abs(left - right).max() > 60  # the side and the front
     assert _width(right) > 1.2 * _width(left), "hips are wider than long"
-    about = json.loads((out / "about.json").read_text())
+    about = json.loads((flat / "about.json").read_text())
     assert (about["controller"], about["speed"]) == ("policy", 0.2)
     for name in ("video.mp4", "about.json", "poster.jpg"):
-        assert (out / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
+        assert (flat / name).read_bytes() == (again / name).read_bytes()
 
 
 def test_terrain_is_in_the_picture(flat, tmp_path):
     terrain = "terrain={kinds: [stairs_up], level: {lower: 10, upper: 10}}"
-    done = film(tmp_path, find_renderer(), f"evaluation.disturbance.{terrain}")
-    assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "out/about.json").read_text())["terrain"] == "stairs up, 10 cm"
-    changed = np.abs(first_picture(tmp_path) - first_picture(flat)).max(axis=2) > 20
+    out = film(tmp_path, f"evaluation.disturbance.{terrain}")
+    assert json.loads((out / "about.json").read_text())["terrain"] == "stairs up, 10 cm"
+    changed = np.abs(first_picture(out) - first_picture(flat)).max(axis=2) > 20
     assert changed.mean() > 0.02, "stairs instead of a plane"

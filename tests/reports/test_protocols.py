@@ -122,14 +122,12 @@ def test_sideways_has_its_mean_and_its_errors(cases):
 
 
 def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path):
-    summary, (stop, _), _ = report_cases(tmp_path, [True, False, False, True])
+    """Where all fell there are no numbers."""
+    summary, (stop, _), _ = report_cases(tmp_path / "half", [True, False, False, True])
     assert float(stop["success_rate"]) == float(stop["standing_rate"]) == 0.5
     assert float(stop["fastest"]) < 0.1
     assert summary["success_rate"] == {"policy": 0.5}
-
-
-def test_where_all_fall_there_are_no_numbers(tmp_path):
-    _, rows, out = report_cases(tmp_path, [False] * COUNT)
+    _, rows, out = report_cases(tmp_path / "all", [False] * COUNT)
     assert {row["success_rate"] for row in rows} == {"0"}
     assert {row[name] for row in rows for name in protocols.MEANS} == {""}
     assert (rows[0]["standing_rate"], rows[0]["fastest"]) == ("0", "")

@@ -80,28 +80,32 @@ def motor_torques(efforts: np.ndarray) -> np.ndarray:
 
 
 VELOCITIES = ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1))
-YAW_RATES = (-0.3, 0.0, 0.3)
 
 
-def make_library(
-    velocities: tuple[tuple[float, float], ...] = VELOCITIES, yaw_rates: tuple[float, ...] = (0.0,)
-) -> GaitLibrary:
+@cache
+def library(*yaw_rates: float) -> GaitLibrary:
     """Gaits that step in place with small sinusoids, the second step a mirror of the first.
 
     Amplitude and step time grow with vx, so that gaits differ; those that turn yaw their hips.
     """
-    grid = np.array([(*velocity, rate) for velocity in velocities for rate in yaw_rates])
-    gaits = [_gait(*command) for command in grid]
-    arrays = {
-        "velocities": grid,
-        "samples": np.stack([samples for samples, _ in gaits]),
-        "base": np.stack([base for _, base in gaits]),
-        "step_time": np.stack([np.full(2, step_time(vx)) for vx in grid[:, 0]]),
-    }
+    grid = np.array([(*velocity, rate) for velocity in VELOCITIES for rate in yaw_rates or (0.0,)])
+    samples, base = map(np.stack, zip(*(_gait(*command) for command in grid), strict=True))
+    times = np.tile(step_time(grid[:, :1]), 2)
+    arrays = {"velocities": grid, "samples": samples, "base": base, "step_time": times}
     return GaitLibrary(arrays, {})
 
 
-def step_time(vx: float) -> float:
+def turning_library() -> GaitLibrary:
+    """The same velocities with three yaw rates each."""
+    return library(-0.3, 0.0, 0.3)
+
+
+@cache
+def gait_table() -> GaitTable:
+    return GaitTable.from_library(library())
+
+
+def step_time(vx: Any) -> Any:
     return STEP_TIME - 0.1 * vx
 
 
@@ -125,8 +129,7 @@ def _gait(vx: float, vy: float, yaw_rate: float) -> tuple[np.ndarray, np.ndarray
     ramp = yaw_rate * duration / 2 * (0.5 - np.tile(2 * first, 2)) * np.repeat([1, -1], per_step)
     joints[:, JOINTS.index("left_hip_yaw")] = ramp
     joints[:, JOINTS.index("right_hip_yaw")] = -ramp
-    ones = np.ones((SAMPLES, 1))
-    samples = np.concatenate([joints, rates, vx * ones, vy * ones], axis=1)
+    samples = np.concatenate([joints, rates, np.tile([vx, vy], (SAMPLES, 1))], axis=1)
     base = np.zeros((SAMPLES, 13))
     base[:, 0], base[:, 1] = vx * duration * phase, vy * duration * phase
     base[:, 2] = nominal_qpos(robot_config())[2]
@@ -134,22 +137,6 @@ def _gait(vx: float, vy: float, yaw_rate: float) -> tuple[np.ndarray, np.ndarray
     base[:, 3], base[:, 6] = np.cos(course / 2), np.sin(course / 2)
     base[:, 7], base[:, 8] = vx, vy
     return samples, base
-
-
-@cache
-def library() -> GaitLibrary:
-    return make_library()
-
-
-@cache
-def gait_table() -> GaitTable:
-    return GaitTable.from_library(library())
-
-
-@cache
-def turning_library() -> GaitLibrary:
-    """The same velocities with three yaw rates each."""
-    return make_library(yaw_rates=YAW_RATES)
 
 
 def make_guide(gait: str = "interpolated") -> Guide:
@@ -222,24 +209,20 @@ def as_tensor(value: Any) -> Any:
 class ArrayAgent(AgentInterface):
     """An agent that takes NumPy's arrays as well, so that tests are written in one library."""
 
-    def reset(self, *arguments: Any, **named: Any) -> None:
-        named = {name: as_tensor(value) for name, value in named.items()}
-        super().reset(*map(as_tensor, arguments), **named)
-
-    def set_velocity_command(self, *arguments: Any) -> None:
-        super().set_velocity_command(*map(as_tensor, arguments))
-
-    def act(self, action: Any) -> torch.Tensor:
-        return super().act(as_tensor(action))
-
-    def advance(self, state: RobotState) -> None:
-        super().advance(as_tensor(state))
-
-    def refresh_heading(self, state: RobotState) -> None:
-        super().refresh_heading(as_tensor(state))
-
-    def view(self, state: RobotState) -> View:
-        return super().view(as_tensor(state))
+    def __getattribute__(self, name: str) -> Any:
+        found = super().__getattribute__(name)
+        if name not in (
+            "reset",
+            "set_velocity_command",
+            "act",
+            "advance",
+            "refresh_heading",
+            "view",
+        ):
+            return found
+        return lambda *values, **named: found(
+            *map(as_tensor, values), **{key: as_tensor(value) for key, value in named.items()}
+        )
 
 
 def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -290,13 +273,10 @@ def make_arrays(count: int, **changes: np.ndarray | list | float) -> RobotState:
         body_contacts=np.zeros(count),
         diverged=np.zeros(count, dtype=bool),
     )
-    shaped = {
-        name: np.broadcast_to(
-            np.asarray(value, dtype=getattr(state, name).dtype), getattr(state, name).shape
-        ).copy()
-        for name, value in changes.items()
-    }
-    return replace(state, **shaped)
+    for name, value in changes.items():
+        whole = getattr(state, name)
+        whole[...] = np.asarray(value, dtype=whole.dtype)
+    return state
 
 
 def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:

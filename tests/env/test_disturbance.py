@@ -1,7 +1,5 @@
 """Pushes, delays, noise and seeds; nothing happens where nothing is asked for."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 import torch
@@ -48,13 +46,11 @@ def run(physics, steps: int = 12) -> np.ndarray:
     return np.stack(rows)
 
 
-def make_disturber(count: int, *settings: str) -> Disturber:
-    drawn = Disturbance(disturbance(*settings), (1,))
-    return Disturber(drawn, robot_config(), make_physics(1).model, "position", count)
-
-
 def test_a_push_is_a_force_for_a_while_at_regular_times():
-    disturber = make_disturber(200, "push={impulse: {lower: 2.0, upper: 6.0}, duration: 0.04}")
+    push = Disturbance(
+        disturbance("push={impulse: {lower: 2.0, upper: 6.0}, duration: 0.04}"), (1,)
+    )
+    disturber = Disturber(push, robot_config(), make_physics(1).model, "position", 200)
     disturber.begin(np.arange(200), make_physics(200).qpos)
     forces = []
     for _ in range(305):  # control steps of 20 ms
@@ -114,58 +110,37 @@ def test_one_disturbance_does_not_move_the_draws_of_another():
     np.testing.assert_array_equal(*legs)
 
 
-TIMESTEP = 0.005
-EVERY = np.arange(1)
-
-
 @pytest.mark.parametrize("substeps", [1, 4])
-@pytest.mark.parametrize("late", [0, 1, 3, 4, 6])
-def test_shifts_by_simulation_steps_whatever_the_rate_of_the_controller(late, substeps):
-    line = DelayLine(Interval(late * TIMESTEP, late * TIMESTEP), TIMESTEP, 1, 1)
-    line.draw(EVERY, np.array([0.3]))
-    line.fill(EVERY, np.array([[-1.0]]))
+def test_each_robots_inputs_are_late_by_its_own_delay_at_any_rate_of_the_controller(substeps):
+    """Whole simulation steps, from the shortest to the longest."""
+    every, line = np.arange(6), DelayLine(Interval(0.005, 0.03), 0.005, 6, 1)
+    line.draw(every, every / 6 + 0.01)
+    line.fill(every, np.full((6, 1), -1.0))
     issued = np.repeat(np.arange(24 // substeps), substeps).astype(float)
-    calls = issued.reshape(-1, 1, substeps, 1)
-    arrived = np.concatenate([line.pass_on(call)[0, :, 0] for call in calls])
-    np.testing.assert_array_equal(arrived, np.concatenate([[-1.0] * late, issued])[:24])
-
-
-def test_each_robot_has_its_own_delay_and_all_of_them_occur():
-    line = DelayLine(Interval(0.0, 0.03), TIMESTEP, 7, 1)
-    line.draw(np.arange(7), np.arange(7) / 7 + 0.01)
-    np.testing.assert_array_equal(line.steps, np.arange(7))
-    line.fill(np.arange(7), np.zeros((7, 1)))
-    arrived = np.concatenate(
-        [line.pass_on(np.full((7, 4, 1), float(k)))[:, :, 0] for k in (1, 2, 3)], axis=1
-    )
-    np.testing.assert_array_equal((arrived == 0).sum(axis=1), line.steps)
+    calls = np.tile(issued.reshape(-1, 1, substeps, 1), (1, 6, 1, 1))
+    arrived = np.concatenate([line.pass_on(call)[..., 0] for call in calls], axis=1)
+    for late, row in enumerate(arrived, 1):
+        np.testing.assert_array_equal(row, np.concatenate([[-1.0] * late, issued])[:24])
 
 
 @pytest.mark.parametrize("actuation", ["position", "torque"])
 def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation):
-    late, steps = 3, 40
-    rng = np.random.default_rng(0)
-    size = 0.02 if actuation == "position" else 3.0
-    inputs = size * rng.standard_normal((steps, 2, names.NUM_JOINTS))
-    delayed = disturbed_physics(
-        2, "delay={lower: 0.015, upper: 0.015}", actuation=actuation, substeps=1
+    delayed, prompt = (
+        stand(disturbed_physics(2, *late, actuation=actuation, substeps=1))
+        for late in (("delay={lower: 0.015, upper: 0.015}",), ())
     )
-    prompt = disturbed_physics(2, actuation=actuation, substeps=1)
-    shifted = np.concatenate([np.zeros((late, 2, names.NUM_JOINTS)), inputs])
-    stand(delayed), stand(prompt)
-    for k in range(steps):
-        delayed.step(inputs[k])
-        prompt.step(shifted[k])
+    size = 0.02 if actuation == "position" else 3.0
+    inputs = size * np.random.default_rng(0).standard_normal((40, 2, names.NUM_JOINTS))
+    shifted = np.concatenate([np.zeros((3, 2, names.NUM_JOINTS)), inputs])
+    for late, now in zip(inputs, shifted, strict=False):
+        delayed.step(late), prompt.step(now)
         np.testing.assert_array_equal(delayed.qpos, prompt.qpos)
         np.testing.assert_array_equal(delayed.read().motor_torques, prompt.read().motor_torques)
     assert np.abs(delayed.qvel).max() > 0.1, "nothing moved: the comparison would prove little"
 
 
-TORCH: Any = torch.zeros(0)
-
-
 @pytest.mark.parametrize("kind", ["uniform", "normal"])
-@pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
+@pytest.mark.parametrize("like", [NUMPY, torch.zeros(0)], ids=["numpy", "torch"])
 def test_a_block_of_robots_depends_on_its_own_seed_use_and_time_only(like, kind):
     def draw(seeds: tuple[int, ...], count: int, use: int = PUSH, time: int = 7) -> np.ndarray:
         values = getattr(Draws(seeds, count, like), kind)(use, time, 4)

@@ -20,6 +20,7 @@ from tests.env.synthetic import (
 )
 
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
+CLIP = config("experiment=test").env.action.clip
 HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
 
 
@@ -33,7 +34,7 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
     """A policy that sees a mirrored robot half a walk later does the mirrored thing."""
     rng = np.random.default_rng(2)
     physics = make_physics(2)
-    qpos, qvel = np.tile(physics.nominal, (1, 1)), 0.2 * rng.standard_normal((1, 18))
+    qpos, qvel = physics.nominal[None].copy(), 0.2 * rng.standard_normal((1, 18))
     qpos[:, 7:] += 0.05 * rng.standard_normal((1, NUM_JOINTS))
     qpos[:, 2] += 0.02
     other = mirror_pose(qpos, qvel)
@@ -56,19 +57,15 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
 
 
 def test_actions_and_targets_are_clipped():
-    agent = at_phase(0.1)
-    clip = config("experiment=test").env.action.clip
-    action = np.full((3, NUM_JOINTS), 1e6)
+    agent, action = at_phase(0.1), np.full((3, NUM_JOINTS), 1e6)
     targets = agent.act(action).numpy()
-    active = list(ACTUATED)
-    np.testing.assert_array_equal(agent.action[:, active], clip)
+    np.testing.assert_array_equal(agent.action[:, ACTUATED], CLIP)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
     np.testing.assert_array_equal(
-        targets[:, UPPER_FEET], agent.nominal.numpy()[UPPER_FEET] + 0 * targets[:, :2]
+        targets[:, UPPER_FEET], np.tile(agent.nominal[UPPER_FEET], (3, 1))
     )
     lower, upper = joint_range(robot_config())
-    assert (targets <= upper).all()
-    assert (targets >= lower).all()
+    assert ((targets >= lower) & (targets <= upper)).all()
     assert (action == 1e6).all(), "the caller's action was changed"
 
 
@@ -128,37 +125,35 @@ def test_without_acceleration_and_filters_everything_passes_at_once():
 
 
 def test_resetting_one_robot_leaves_the_others():
-    agent = make_agent(2)
+    agent, one = make_agent(2), np.array([1])
     moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)
     agent.reset(np.arange(2), moving, phase=0.1)
     agent.act(np.ones((2, NUM_JOINTS)))
     agent.advance(moving)
-    before = (
-        agent.action[0].clone(),
-        agent.filtered_velocity[0].clone(),
-        agent.clock.phase[0].clone(),
-    )
-    agent.reset(np.array([1]), moving, phase=0.4, velocity=np.array([[0.3, 0.1]]))
-    np.testing.assert_array_equal(agent.action[0], before[0])
-    np.testing.assert_array_equal(agent.filtered_velocity[0], before[1])
-    assert agent.clock.phase[0] == before[2]
+    kept = [agent.action, agent.filtered_velocity, agent.clock.phase]
+    before = [values[0].clone() for values in kept]
+    agent.reset(one, moving, phase=0.4, velocity=np.array([[0.3, 0.1]]))
+    for values, value in zip(kept, before, strict=True):
+        np.testing.assert_array_equal(values[0], value)
     assert agent.clock.phase[1] == 0.4
-    np.testing.assert_array_equal(agent.filtered_velocity[1], [0.3, 0.1])
-    np.testing.assert_array_equal(agent.expected_velocity[1], [0.3, 0.1])
+    for values in (agent.filtered_velocity, agent.expected_velocity):
+        np.testing.assert_array_equal(values[1], [0.3, 0.1])
     assert agent.heading_target[1] == pytest.approx(0.7)
-    agent.reset(np.array([1]), moving, heading=np.array([0.1]))
+    agent.reset(one, moving, heading=np.array([0.1]))
     np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
 
 
-def test_a_clock_needs_step_times():
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (None, r"^env\.phase\.enabled: expected the step times of a gait library$"),
+        (gait_table().times, r"^env\.action\.offset=gait: expected the gaits of a library, found"),
+    ],
+)
+def test_clock_and_gaits_are_demanded(times, message):
     settings = config("experiment=test")
-    with pytest.raises(UserError) as error:
-        AgentInterface(settings.robot, settings.env, 2, None)
-    assert str(error.value) == "env.phase.enabled: expected the step times of a gait library"
-    with pytest.raises(UserError) as error:
-        AgentInterface(settings.robot, settings.env, 2, gait_table().times)
-    expected = "expected the gaits of a library, found none"
-    assert str(error.value) == f"env.action.offset=gait: {expected}"
+    with pytest.raises(UserError, match=message):
+        AgentInterface(settings.robot, settings.env, 2, times)
 
 
 @pytest.mark.parametrize("phase", [0.1, 0.6])

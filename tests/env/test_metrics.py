@@ -23,16 +23,19 @@ def recording(count: int = 1, **changes: Any) -> Recording:
 
 
 def forward(*speeds: np.ndarray | float) -> np.ndarray:
-    velocity = np.zeros((STEPS, len(speeds), 2))
+    velocity = np.full((STEPS, len(speeds), 2), 7.0)  # sideways does not count
     for robot, speed in enumerate(speeds):
         velocity[:, robot, 0] = speed
-    velocity[:, :, 1] = 7.0  # sideways does not count
     return velocity
 
 
 def contact(*feet: np.ndarray) -> np.ndarray:
     """Forces of one robot from 0/1 patterns of the left and the right foot."""
     return LOADED * np.stack(feet, axis=1)[:, None, :].astype(float)
+
+
+def quality(warm_up: float = 0.0, **changes: Any) -> GaitQuality:
+    return gait_quality(recording(**changes), warm_up)
 
 
 def pattern(*spans: tuple[int, int]) -> np.ndarray:
@@ -71,49 +74,42 @@ def test_tracked(command, mean, tracked):
 
 
 def test_a_fallen_robot_has_no_numbers_and_does_not_track():
-    alive = np.ones((STEPS, 3), dtype=bool)
-    alive[90:, 1] = False
-    alive[-1, 2] = False
+    alive = np.arange(STEPS)[:, None] < [STEPS, 90, STEPS - 1]
     robots = recording(3, velocity=forward(0.5, 0.5, 0.5), alive=alive)
     result, quality = tracking(robots, 1.0, 0.1, 0.1), gait_quality(robots, 1.0)
-    np.testing.assert_array_equal(result.survived, [True, False, False])
-    np.testing.assert_array_equal(result.tracked, [True, False, False])
-    for item in fields(Tracking)[1:4]:
-        assert np.isnan(getattr(result, item.name)).tolist() == [False, True, True], item.name
-    for item in fields(GaitQuality):
-        assert np.isnan(getattr(quality, item.name)).tolist() == [False, True, True], item.name
+    for flags in (result.survived, result.tracked):
+        np.testing.assert_array_equal(flags, [True, False, False])
+    numbers = [(result, item) for item in fields(Tracking)[1:4]]
+    for found, item in numbers + [(quality, item) for item in fields(GaitQuality)]:
+        assert np.isnan(getattr(found, item.name)).tolist() == [False, True, True], item.name
 
 
-def test_walking_left_and_right():
-    """Steps of 20 periods (0.4 s) with 4 of them in double support."""
-    left = pattern((0, 24), (40, 64), (80, 100))
-    right = pattern((20, 44), (60, 84))
-    quality = gait_quality(recording(1, foot_forces=contact(left, right)), 0.0)
-    assert quality.flight[0] == 0.0
-    assert quality.double_support[0] == pytest.approx(16 / 100)
-    assert quality.touchdown_rate[0] == pytest.approx(4 / 2.0)
-    assert quality.alternation[0] == 1.0
+HOPS = [(10, 20), (30, 40), (50, 60)]
 
 
-def test_hopping_and_limping():
-    """Two hops on the left foot after each other, then one on the right."""
-    left = pattern((10, 20), (30, 40))
-    right = pattern((50, 60))
-    quality = gait_quality(recording(1, foot_forces=contact(left, right)), 0.0)
-    assert quality.flight[0] == pytest.approx(70 / 100)
-    assert quality.double_support[0] == 0.0
-    assert quality.alternation[0] == pytest.approx(0.5)
-    both = contact(pattern((10, 20), (30, 40), (50, 60)), pattern((10, 20), (30, 40), (50, 60)))
-    assert gait_quality(recording(1, foot_forces=both), 0.0).alternation[0] == 0.0
-    only_left = gait_quality(recording(1, foot_forces=contact(left, 0 * left)), 0.0)
-    assert only_left.alternation[0] == 0.0
-
-
-def test_bounces_are_contacts_but_no_touchdowns():
-    bouncing, lifted = pattern((10, 20), (21, 40), (60, 80)), pattern((0, 0))
-    quality = gait_quality(recording(1, foot_forces=contact(bouncing, lifted)), 0.0)
-    assert quality.touchdown_rate[0] == pytest.approx(2 / 2.0)
-    assert quality.contact_rate[0] == pytest.approx(3 / 2.0)
+@pytest.mark.parametrize(
+    ("left", "right", "expected"),
+    [
+        (  # steps of 20 periods (0.4 s) with 4 of them in double support
+            [(0, 24), (40, 64), (80, 100)],
+            [(20, 44), (60, 84)],
+            {"flight": 0, "double_support": 0.16, "touchdown_rate": 2, "alternation": 1},
+        ),
+        # Two hops on the left foot after each other, then one on the right; on both; on one.
+        (HOPS[:2], HOPS[2:], {"flight": 0.7, "double_support": 0, "alternation": 0.5}),
+        (HOPS, HOPS, {"alternation": 0}),
+        (HOPS[:2], [], {"alternation": 0}),
+        # A bounce is a contact but no touchdown.
+        ([(10, 20), (21, 40), (60, 80)], [], {"touchdown_rate": 1, "contact_rate": 1.5}),
+        # From left to right 16 periods and from right to left 24, or 20 each.
+        ([(10, 20), (50, 60), (90, 95)], [(26, 40), (66, 80)], {"asymmetry": 0.2}),
+        ([(10, 20), (50, 60), (90, 95)], [(30, 40), (70, 80)], {"asymmetry": 0}),
+    ],
+)
+def test_contacts_by_hand(left, right, expected):
+    found = quality(foot_forces=contact(pattern(*left), pattern(*right)))
+    for name, value in expected.items():
+        assert getattr(found, name) == pytest.approx([value], abs=1e-12), name
 
 
 def test_clearance_is_that_of_unloaded_soles():
@@ -122,8 +118,8 @@ def test_clearance_is_that_of_unloaded_soles():
     positions = np.zeros((STEPS, 1, 2, 3))
     positions[20:50, 0, 0, 2] = 0.08
     positions[:, 0, 1, 2] = 0.5
-    one = recording(1, foot_forces=contact(left, np.ones(STEPS)), foot_positions=positions)
-    assert gait_quality(one, 0.0).clearance[0] == pytest.approx(0.04)  # mean over feet
+    found = quality(foot_forces=contact(left, np.ones(STEPS)), foot_positions=positions)
+    assert found.clearance[0] == pytest.approx(0.04)  # mean over feet
 
 
 def test_slip_is_the_mean_speed_of_loaded_ends():
@@ -136,10 +132,9 @@ def test_slip_is_the_mean_speed_of_loaded_ends():
     speeds[:, :, 1] = 3.0
     on_toe = contacts.loaded.copy()
     on_toe[..., 0] = False
-    one = recording(contacts=contacts._replace(loaded=on_toe, speeds=speeds))
-    assert gait_quality(one, 0.0).slip[0] == pytest.approx(0.1)
-    flat = recording(contacts=contacts._replace(speeds=speeds))
-    assert gait_quality(flat, 0.0).slip[0] == pytest.approx((0.1 + 7.0) / 2)
+    for loaded, expected in ((on_toe, 0.1), (contacts.loaded, (0.1 + 7.0) / 2)):
+        found = quality(contacts=contacts._replace(loaded=loaded, speeds=speeds))
+        assert found.slip[0] == pytest.approx(expected)
 
 
 def test_the_speed_at_which_a_foot_lands_is_no_slip():
@@ -147,9 +142,9 @@ def test_the_speed_at_which_a_foot_lands_is_no_slip():
     forces = contact(pattern((20, 40), (60, 80)), np.ones(STEPS))
     contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
     contacts.speeds[[20 * TICKS, 60 * TICKS], :, 0] = 2.0
-    assert gait_quality(recording(contacts=contacts), 0.0).slip[0] == 0.0
+    assert quality(contacts=contacts).slip[0] == 0.0
     contacts.speeds[20 * TICKS + 1, :, 0] = 2.0
-    assert gait_quality(recording(contacts=contacts), 0.0).slip[0] > 0.0
+    assert quality(contacts=contacts).slip[0] > 0.0
 
 
 def test_legs_that_come_close_touch_and_cross():
@@ -164,33 +159,21 @@ def test_legs_that_come_close_touch_and_cross():
     rotation = np.array([[np.cos(2.0), -np.sin(2.0)], [np.sin(2.0), np.cos(2.0)]])
     positions[..., :2] = positions[..., :2] @ rotation.T  # the robots go where they look
     contacts = make_contacts(np.full((STEPS * TICKS, 3, 2), LOADED), leg_distance=distance)
-    robots = recording(3, contacts=contacts, foot_positions=positions, yaw=yaw)
-    found = gait_quality(robots, 1.0)
+    found = quality(1.0, count=3, contacts=contacts, foot_positions=positions, yaw=yaw)
     np.testing.assert_allclose(found.leg_distance, [0.08, -1e-4, 0.02])
     np.testing.assert_allclose(found.legs_touch, [0.0, 1 / (STEPS * TICKS), 0.0])
     np.testing.assert_allclose(found.legs_cross, [0.0, 0.0, 0.25])
 
 
-def test_asymmetry_of_step_times():
-    """Left lands at 10, 50, 90; right at 26, 66 (16 and 24 steps apart) or evenly at 30, 70."""
-    left = pattern((10, 20), (50, 60), (90, 95))
-    limping, even = pattern((26, 40), (66, 80)), pattern((30, 40), (70, 80))
-    found = [gait_quality(recording(foot_forces=contact(left, r)), 0.0) for r in (limping, even)]
-    assert found[0].asymmetry == pytest.approx([(24 - 16) / 40])
-    assert found[1].asymmetry == pytest.approx([0.0])
-
-
 def test_energy_and_peaks_count_after_the_start():
     late = np.arange(STEPS)[:, None] >= 50
     start = np.where(late, 0.0, 9.0)
-    found = gait_quality(
-        recording(
-            velocity=forward(0.5),
-            power=30.0 * late + start,
-            effort_share=0.7 * late + start,
-            speed_share=0.2 * late + start,
-        ),
+    found = quality(
         1.0,
+        velocity=forward(0.5),
+        power=30.0 * late + start,
+        effort_share=0.7 * late + start,
+        speed_share=0.2 * late + start,
     )
     assert found.cost_of_transport == pytest.approx([30.0 / 100.0 / 0.5])
     assert found.peak_effort == pytest.approx([0.7])
@@ -199,9 +182,9 @@ def test_energy_and_peaks_count_after_the_start():
 
 def test_velocity_variance_is_about_the_mean():
     swing = 0.5 + 0.1 * np.sign(np.sin(np.arange(STEPS) + 0.5))
-    found = gait_quality(recording(velocity=forward(swing)), 0.0)
+    found = quality(velocity=forward(swing))
     assert found.velocity_variance == pytest.approx([np.var(swing)])
-    assert np.isinf(gait_quality(recording(), 0.0).cost_of_transport).all()
+    assert np.isinf(quality().cost_of_transport).all()
 
 
 def test_heading_is_about_the_commanded_one():
@@ -210,11 +193,8 @@ def test_heading_is_about_the_commanded_one():
     yaw = (rate[None] * PERIOD * np.arange(1, STEPS + 1)[:, None] + 3.0 + np.pi) % (2 * np.pi)
     command = np.zeros((STEPS, 3, 3))
     command[:, :2, 2] = 0.4
-    turning = recording(3, yaw=yaw - np.pi, command=command)
-    span = (STEPS - 1) * PERIOD
-    np.testing.assert_allclose(
-        gait_quality(turning, 0.0).heading, [0.0, 0.1 * span, 0.3 * span], atol=1e-12
-    )
+    found = quality(yaw=yaw - np.pi, command=command).heading
+    np.testing.assert_allclose(found, np.array([0.0, 0.1, 0.3]) * (STEPS - 1) * PERIOD, atol=1e-12)
 
 
 def test_a_changing_command_is_tracked_in_the_mean():

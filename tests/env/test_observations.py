@@ -22,7 +22,7 @@ from tests.env.synthetic import (
 )
 
 COUNT = 5
-SCAN = HeightScan(15, 12, 0.1)
+NOBODY = torch.zeros(COUNT, dtype=torch.bool)
 # Design, section 3: the paper's 235 observations.
 PAPER = {
     "base_linear_velocity": 3,
@@ -39,7 +39,9 @@ PAPER = {
 
 
 def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
-    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3))
+    return Observer(
+        ObservationConfig(dict.fromkeys(names, scale), clip, HeightScan(15, 12, 0.1), 0.3)
+    )
 
 
 def physical_view(mirrored: bool) -> View:
@@ -95,10 +97,9 @@ def test_the_papers_layout():
 
 @pytest.mark.parametrize("name", TERMS)
 def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
-    see = observer(name)
-    reflected = see(physical_view(False), torch.ones(COUNT, dtype=torch.bool))
-    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
-    expected = see(physical_view(True), torch.zeros(COUNT, dtype=torch.bool))
+    see, view = observer(name), physical_view(False)
+    reflected, plain = see(view, ~NOBODY), see(view, NOBODY)
+    expected = see(physical_view(True), NOBODY)
     assert reflected.shape == (COUNT, see.layout[name])
     np.testing.assert_allclose(reflected, expected, atol=1e-6)
     turned = (see.permutation != np.arange(see.size)).any() or (see.sign < 0.0).any()
@@ -107,11 +108,8 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
 
 
 def test_only_the_asked_robots_are_reflected():
-    see = observer(*TERMS)
-    some = torch.arange(COUNT) % 2 == 0
-    mixed = see(physical_view(False), some)
-    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
-    full = see(physical_view(False), torch.ones(COUNT, dtype=torch.bool))
+    see, some = observer(*TERMS), torch.arange(COUNT) % 2 == 0
+    mixed, plain, full = (see(physical_view(False), which) for which in (some, NOBODY, ~NOBODY))
     np.testing.assert_array_equal(mixed[some], full[some])
     np.testing.assert_array_equal(mixed[~some], plain[~some])
 
@@ -127,29 +125,29 @@ def test_values_by_hand():
         phase=[0.25],
     )
     view = replace(view, nominal=torch.full((12,), 0.1, dtype=torch.float64))
-    nobody = torch.zeros(1, dtype=torch.bool)
-
-    def seen(name: str) -> np.ndarray:
-        return observer(name)(view, nobody)[0].numpy()
-
-    np.testing.assert_allclose(seen("target_linear_velocity"), [0.5, -0.1, 0.0])
-    np.testing.assert_allclose(seen("target_angular_velocity"), [0.0, 0.0, 0.2])
-    np.testing.assert_allclose(seen("reference_velocity"), [0.3, -0.2])
-    np.testing.assert_allclose(seen("command"), [0.5, -0.1, 0.2, 0.3])
-    np.testing.assert_allclose(seen("joint_positions"), np.arange(12) / 10 - 0.1, atol=1e-7)
-    np.testing.assert_allclose(seen("previous_action"), 2.0)
-    np.testing.assert_allclose(seen("base_height"), [0.7 - 0.685], atol=1e-7)
-    np.testing.assert_allclose(seen("height_scan"), np.full(180, 0.7), atol=1e-7)
-    np.testing.assert_allclose(seen("phase"), [1.0, 0.0], atol=1e-7)
-    assert seen("velocity_error") == pytest.approx(np.tanh([-2.0, 0.5]))  # at rest
-    halted = observer("phase")(replace(view, halted=torch.ones(1, dtype=torch.bool)), nobody)
-    np.testing.assert_array_equal(halted, [[0.0, 0.0]])
-    np.testing.assert_allclose(seen("projected_gravity"), [0.0, 0.0, -1.0])
+    expected = {
+        "target_linear_velocity": [0.5, -0.1, 0.0],
+        "target_angular_velocity": [0.0, 0.0, 0.2],
+        "reference_velocity": [0.3, -0.2],
+        "command": [0.5, -0.1, 0.2, 0.3],
+        "joint_positions": np.arange(12) / 10 - 0.1,
+        "previous_action": [2.0] * 12,
+        "base_height": [0.7 - 0.685],
+        "height_scan": [0.7] * 180,
+        "phase": [1.0, 0.0],
+        "velocity_error": np.tanh([-2.0, 0.5]),  # at rest
+        "projected_gravity": [0.0, 0.0, -1.0],
+    }
+    for name, values in expected.items():
+        np.testing.assert_allclose(
+            observer(name)(view, NOBODY[:1])[0], values, atol=1e-7, err_msg=name
+        )
+    halted = replace(view, halted=torch.ones(1, dtype=torch.bool))
+    np.testing.assert_array_equal(observer("phase")(halted, NOBODY[:1]), [[0.0, 0.0]])
 
 
 def test_scale_then_clip():
     view = make_view(make_state(1, joint_velocities=np.linspace(-30, 30, 12)))
     see = observer("joint_velocities", scale=0.5, clip=10.0)
-    values = see(view, torch.zeros(1, dtype=torch.bool))
     expected = np.clip(0.5 * np.linspace(-30, 30, 12), -10, 10)
-    np.testing.assert_allclose(values[0], expected, rtol=1e-6)
+    np.testing.assert_allclose(see(view, NOBODY[:1])[0], expected, rtol=1e-6)

@@ -38,8 +38,7 @@ def run(
 def test_a_walk_takes_two_steps():
     steps = round(2 * STEP_TIME / PERIOD)
     phases = run(make_clock(NEVER), STAND, steps + 1)
-    np.testing.assert_allclose(phases[0], 1 / steps)
-    np.testing.assert_allclose(phases[-1], phases[0], atol=1e-12)
+    np.testing.assert_allclose(phases[[0, -1]], 1 / steps, rtol=1e-7)
 
 
 @pytest.mark.parametrize(("start", "end"), [(0.0, 0.0), (0.2, 0.5), (0.5, 0.5), (0.51, 0.0)])
@@ -69,11 +68,8 @@ def test_steps_until_it_is_slow_and_again_when_it_is_pushed():
 
 
 def test_a_start_at_a_change_of_feet_may_stand_at_once():
-    assert make_clock(HALT, 0.0, speed=0.1).halted[0]
-    assert make_clock(HALT, 0.5, speed=0.1).halted[0]
-    assert not make_clock(HALT, 0.1, speed=0.1).halted[0]
-    assert not make_clock(HALT, 0.0, speed=0.3).halted[0]
-    assert not make_clock(NEVER, 0.0, speed=0.0).halted[0]
-    walking = make_clock(HALT, 0.0, speed=0.0)
-    walking.reset(slice(None), 0.0, tensor(GO), torch.zeros(1))
-    assert not walking.halted[0]
+    slow, fast = [(HALT, start, 0.1) for start in (0.0, 0.5, 0.1)], (HALT, 0.0, 0.3)
+    clocks = [make_clock(*case) for case in (*slow, fast, (NEVER, 0.0, 0.0))]
+    assert [clock.halted.item() for clock in clocks] == [True, True, False, False, False]
+    clocks[0].reset(slice(None), 0.0, tensor(GO), torch.zeros(1))
+    assert not clocks[0].halted[0]

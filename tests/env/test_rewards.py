@@ -1,5 +1,7 @@
 """Every reward term by hand, the printed reward by its formula, the guide by brute force."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 import torch
@@ -8,7 +10,7 @@ from scipy.linalg import solve_continuous_are
 from slider.config.train import RewardConfig, RewardTerm
 from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
-from slider.env.state import View
+from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (
@@ -24,7 +26,7 @@ from tests.env.synthetic import (
 )
 
 HEIGHT = 0.685
-PAPER_EXPERIMENT = "experiment=paper"
+STAND = [0.0, 0.0, 0.0, 0.3]  # a heading error is no command
 
 
 def value(name: str, view: View, gait: str = "interpolated", **params: float) -> np.ndarray:
@@ -56,115 +58,68 @@ def motor(name: str, number: float) -> np.ndarray:
     return number * (np.array(MOTORS) == name)
 
 
-HAND = {  # term → (state, view, parameters, value)
-    "alive": ({}, {}, {}, 1.0),
+HAND = {  # term → (quantities of state and view, parameters, value)
+    "alive": ({}, {}, 1.0),
     "stand_still": (
-        {"foot_forces": [100.0, 0.0], "joint_velocities": [0.5] + [0.0] * 11},
-        {"command": [[0.0, 0.0, 0.0, 0.3]]},
+        {"foot_forces": [100.0, 0.0], "joint_velocities": np.eye(1, 12) / 2, "command": [STAND]},
         {"loaded": 20.0, "width": 2.0},
         0.5 * np.exp(-0.25 / 2.0),
     ),
     "forward_velocity": (
-        {"heading_velocity": [0.5, 3.0]},
-        {"command": [[9.0, 0, 0, 0]], "reference_velocity": [[0.2, 0.0]]},
+        {"heading_velocity": [0.5, 3.0], "reference_velocity": [[0.2, 0.0]]},
         {},
         1 - np.tanh(0.3),
     ),
     "forward_velocity_filtered": (
-        {},
-        {
-            "command": [[9.0, 0, 0, 0]],
-            "filtered_velocity": [[1.7, 9.0]],
-            "expected_velocity": [[2.0, 3.0]],
-        },
+        {"filtered_velocity": [[1.7, 9.0]], "expected_velocity": [[2.0, 3.0]]},
         {"width": 0.01, "relative": 0.02},
         np.exp(-(0.3**2) / (0.01 + 0.02 * 4.0)),
     ),
     "lateral_velocity_filtered": (
-        {},
         {"filtered_velocity": [[9.0, -0.1]], "expected_velocity": [[2.0, 0.1]]},
         {"width": 0.05},
         1 - np.tanh(0.2 / 0.05),
     ),
     "yaw_rate": (
-        {"angular_velocity": [3.0, 3.0, 0.4]},
-        {"command": [[0, 0, 0.1, 0]]},
+        {"angular_velocity": [3.0, 3.0, 0.4], "command": [[0, 0, 0.1, 0]]},
         {"width": 0.5},
         np.exp(-0.09 / 0.5),
     ),
-    "heading": ({}, {"command": [[0, 0, 0, -0.2]]}, {"width": 0.1}, np.exp(-0.4)),
-    "upright": ({"gravity": [0.3, -0.4, -0.866]}, {}, {"width": 0.5}, np.exp(-0.5)),
-    "height": ({"base_position": [5.0, 5.0, HEIGHT - 0.1]}, {}, {"width": 0.02}, np.exp(-0.5)),
-    "guide_height": (  # the synthetic gaits keep the nominal height
-        {"base_position": [5.0, 5.0, HEIGHT + 0.1]},
-        {},
-        {"width": 0.02},
-        np.exp(-0.5),
-    ),
-    "action_rate": (
-        {},
-        {"action": np.full((1, 12), 0.5), "previous_action": np.full((1, 12), 0.2)},
-        {},
-        12 * 0.09,
-    ),
-    "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
+    "heading": ({"command": [[0, 0, 0, -0.2]]}, {"width": 0.1}, np.exp(-0.4)),
+    "upright": ({"gravity": [0.3, -0.4, -0.866]}, {"width": 0.5}, np.exp(-0.5)),
+    "height": ({"base_position": [5.0, 5.0, HEIGHT - 0.1]}, {"width": 0.02}, np.exp(-0.5)),
+    # The synthetic gaits keep the nominal height.
+    "guide_height": ({"base_position": [5.0, 5.0, HEIGHT + 0.1]}, {"width": 0.02}, np.exp(-0.5)),
+    "action_rate": ({"action": [[0.5] * 12], "previous_action": [[0.2] * 12]}, {}, 12 * 0.09),
+    "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, 0.25),
     "effort": (  # half of a capstan motor's limit, a quarter of a hip's
         {"motor_torques": motor("left_leg_1", 4.5) + motor("right_hip_roll", -15.0)},
-        {},
         {},
         0.25 + 0.0625,
     ),
     "foot_slip": (  # the right foot is not loaded, vertical speed is no slip
         {"foot_velocities": [[0.3, -0.4, 2.0], [5.0, 5.0, 5.0]], "foot_forces": [50.0, 4.0]},
-        {},
         {"loaded": 5.0, "width": 0.5},
         1 - np.exp(-0.25 / 0.5),
     ),
-    "airborne": ({"foot_forces": [0.9, 0.2]}, {}, {"unloaded": 1.0}, 1.0),
+    "airborne": ({"foot_forces": [0.9, 0.2]}, {"unloaded": 1.0}, 1.0),
     "feet_close": (  # a robot that looks along y: left is −x
         {"foot_positions": [[-0.02, 0.3, 0.0], [0.01, 0.0, 0.0]], "yaw": np.pi / 2},
-        {},
         {"least": 0.12},
         1 - 0.03 / 0.12,
     ),
-    "torque_tanh": (
-        {"motor_torques": motor("left_leg_2", 0.3) + motor("right_hip_yaw", -0.4)},
-        {},
-        {},
-        np.tanh(0.5),
-    ),
-    "angular_velocity_tanh": ({"angular_velocity": [0.3, 0.0, 0.4]}, {}, {}, np.tanh(0.5)),
-    "linear_error_tanh": (
-        {"linear_velocity": [0.5, 0.1, 0.4]},
-        {"command": [[0.2, 0.1, 9, 9]]},
-        {},
-        np.tanh(0.5),
-    ),
-    "angular_error_tanh": (
-        {"angular_velocity": [0.3, 0.0, 0.6]},
-        {"command": [[9, 9, 0.2, 9]]},
-        {},
-        np.tanh(0.5),
-    ),
-    "height_tanh": ({"base_position": [5.0, 5.0, 0.6]}, {}, {}, np.tanh(0.6)),
-    "action_rate_tanh": (
-        {},
-        {"action": [joint("left_slide", 0.3)], "previous_action": [joint("right_slide", 0.4)]},
-        {},
-        np.tanh(0.3 * 0.5),
-    ),
 }
-
-
-BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule"}
-BELOW |= {"clf_value", "clf_decrease"}
+BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule", "clf_value"}
+BELOW |= {"clf_decrease", *config("experiment=paper").train.walking.reward.terms}
 
 
 @pytest.mark.parametrize("name", [*HAND, *sorted(TERMS.keys() - HAND.keys() - BELOW)])
 def test_by_hand(name):
     if name not in HAND:
         pytest.skip(f"HAND has no case of {name}")
-    state, view, params, expected = HAND[name]
+    given, params, expected = HAND[name]
+    state = {item.name: given[item.name] for item in fields(RobotState) if item.name in given}
+    view = {name: values for name, values in given.items() if name not in state}
     found = value(name, make_view(make_state(1, **state), **view), **params)
     assert found.shape == (1,)
     assert found[0] == pytest.approx(expected, rel=1e-9)
@@ -172,7 +127,7 @@ def test_by_hand(name):
 
 def test_standing_still_counts_only_at_zero_command():
     loaded = make_state(3, foot_forces=100.0)
-    view = make_view(loaded, command=[[0, 0, 0, 0], [0.1, 0, 0, 0], [0, 0, -0.1, 0]])
+    view = make_view(loaded, command=[STAND, [0.1, 0, 0, 0], [0, 0, -0.1, 0]])
     np.testing.assert_array_equal(value("stand_still", view, loaded=20.0, width=2.0), [1, 0, 0])
 
 
@@ -270,14 +225,6 @@ def off_the_gait(name: str, error: float, rate: float = 0.0) -> View:
     return make_view(state, command=command, phase=phase)
 
 
-def seen(view: View, before: View | None = None) -> RewardView:
-    """As the environment has it, after the control step ``before``."""
-    guide = make_guide()
-    if before is None:
-        return RewardView(view, guide, torch.full_like(RewardView(view, guide).outputs, np.inf))
-    return RewardView(view, guide, RewardView(before, guide).outputs)
-
-
 @pytest.mark.parametrize(
     ("name", "error", "rate", "lyapunov"),
     [
@@ -289,7 +236,7 @@ def seen(view: View, before: View | None = None) -> RewardView:
     ],
 )
 def test_clf_value(name, error, rate, lyapunov):
-    found = TERMS["clf_value"].function(seen(off_the_gait(name, error, rate)), **CLF)
+    found = value("clf_value", off_the_gait(name, error, rate), **CLF)
     np.testing.assert_allclose(found, [np.exp(-lyapunov / (3.0 * 0.5**2))], rtol=1e-9)
 
 
@@ -305,8 +252,10 @@ def test_clf_value(name, error, rate, lyapunov):
     ],
 )
 def test_clf_decrease(before, now, expected):
-    views = [off_the_gait("left_hip_pitch", error) for error in (now, before)]
-    found = TERMS["clf_decrease"].function(seen(*views), **CLF, **RATES)
+    guide = make_guide()
+    last, view = (off_the_gait("left_hip_pitch", error) for error in (before, now))
+    seen = RewardView(view, guide, RewardView(last, guide).outputs)
+    found = TERMS["clf_decrease"].function(seen, **CLF, **RATES)
     np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
 
 
@@ -355,72 +304,61 @@ def test_guide_nearest_against_brute_force(masked, gait):
 
 
 def test_the_printed_reward():
-    """The sum as printed, with its weights, computed here from the state alone."""
+    """The terms as printed, with their weights, computed here from the state alone."""
     view = moving_view()
-    train = config(PAPER_EXPERIMENT).train.walking
+    train = config("experiment=paper").train.walking
     guided = RewardView(view, make_guide(train.guide.gait))
     reward, parts = Reward(train.reward)(guided, np.zeros(40, dtype=bool))
-    state = view.state
-
-    def size(values: torch.Tensor) -> np.ndarray:
-        return values.norm(dim=1).numpy()
-
-    zero = torch.zeros(40, dtype=torch.float64)
+    state, zero = view.state, torch.zeros(40, dtype=torch.float64)
     v_des = torch.stack([view.command[:, 0], view.command[:, 1], zero], dim=1)
     w_des = torch.stack([zero, zero, view.command[:, 2]], dim=1)
-    expected = (
-        -brute_force(view, np.ones(26, dtype=bool))
-        - 0.5 * np.tanh(size(state.motor_torques))
-        - 3.0 * np.tanh(size(state.angular_velocity))
-        - 1.0 * np.tanh(size(state.linear_velocity - v_des))
-        - 1.0 * np.tanh(size(state.angular_velocity - w_des))
-        + 2.0 * np.tanh(state.base_position[:, 2].numpy())
-        - 1.0 * np.tanh(size(0.3 * (view.action - view.previous_action)))  # position commands
-    )
-    np.testing.assert_allclose(reward, expected, rtol=1e-5, atol=1e-4)
-    assert len(parts) == 7
+
+    def tanh(values: torch.Tensor) -> np.ndarray:
+        return np.tanh(values.norm(dim=1).numpy())
+
+    expected = {
+        "guide_nearest": -brute_force(view, np.ones(26, dtype=bool)),
+        "torque_tanh": -0.5 * tanh(state.motor_torques),
+        "angular_velocity_tanh": -3.0 * tanh(state.angular_velocity),
+        "linear_error_tanh": -1.0 * tanh(state.linear_velocity - v_des),
+        "angular_error_tanh": -1.0 * tanh(state.angular_velocity - w_des),
+        "height_tanh": 2.0 * np.tanh(state.base_position[:, 2].numpy()),
+        # Position commands.
+        "action_rate_tanh": -1.0 * tanh(0.3 * (view.action - view.previous_action)),
+    }
+    assert parts.keys() == expected.keys()
+    for name, values in expected.items():
+        np.testing.assert_allclose(parts[name], values, rtol=1e-5, atol=1e-5, err_msg=name)
+    np.testing.assert_allclose(reward, sum(expected.values()), rtol=1e-5, atol=1e-4)
 
 
-def simple(**settings: float) -> Reward:
+RAW = 2.0 - 10.0 * np.tanh([0.1, 0.6])  # one above zero, one below
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ({}, RAW),
+        ({"floor": 0.0}, [RAW[0], 0.0]),
+        ({"scale": 0.5}, 0.5 * RAW),
+        ({"floor": 0.0, "scale": 0.5, "on_fall": -3.0}, [0.5 * RAW[0], -3.0]),
+    ],
+)
+def test_floor_then_scale_then_fall(settings, expected):
     terms = {"alive": RewardTerm(2.0), "height_tanh": RewardTerm(-10.0)}
-    return Reward(RewardConfig(terms, **{"scale": 1.0, "floor": -1e9, "on_fall": 0.0, **settings}))
-
-
-def test_floor_then_scale_then_fall():
+    config = RewardConfig(terms, **{"scale": 1.0, "floor": -1e9, "on_fall": 0.0} | settings)
     view = RewardView(make_view(make_state(2, base_position=[[0, 0, 0.1], [0, 0, 0.6]])), None)
-    fell = np.array([False, True])
-    raw = 2.0 - 10.0 * np.tanh([0.1, 0.6])
-    assert raw[0] > 0 > raw[1]
-    np.testing.assert_allclose(simple()(view, fell)[0], raw)
-    np.testing.assert_allclose(simple(floor=0.0)(view, fell)[0], [raw[0], 0.0])
-    np.testing.assert_allclose(simple(scale=0.5)(view, fell)[0], 0.5 * raw)
-    total, parts = simple(floor=0.0, scale=0.5, on_fall=-3.0)(view, fell)
-    np.testing.assert_allclose(total, [0.5 * raw[0], -3.0])
-    np.testing.assert_allclose(parts["alive"], 2.0)
-    np.testing.assert_allclose(parts["height_tanh"], -10.0 * np.tanh([0.1, 0.6]))
+    total, parts = Reward(config)(view, np.array([False, True]))
+    np.testing.assert_allclose(total, expected)
+    np.testing.assert_allclose(sum(parts.values()), RAW)
 
 
-CASES = [(20.0, 2.0), (1.0, 0.0), (7.3, 11.0)]
-F, G = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
-
-
-def weights(clf: Lyapunov) -> tuple[np.ndarray, np.ndarray]:
-    """Q and R in seconds."""
-    return np.diag([1.0, clf.rate_weight / clf.bandwidth**2]), np.array([[clf.bandwidth**-4.0]])
-
-
-def in_seconds(clf: Lyapunov) -> np.ndarray:
-    """P of (y, ẏ), whose V is the cost of the LQR [s]."""
-    scale = np.diag([1.0, 1.0 / clf.bandwidth])
-    return scale @ clf.matrix @ scale / clf.bandwidth
-
-
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [(20.0, 2.0), (1.0, 0.0), (7.3, 11.0)])
 def test_p_solves_the_riccati_equation(case):
+    """Q and R in seconds: V is ω times the cost of their LQR."""
     clf = Lyapunov(*case)
-    q, r = weights(clf)
-    solution = solve_continuous_are(F, G, q, r)
-    np.testing.assert_allclose(in_seconds(clf), solution, rtol=1e-9)
+    q, r = np.diag([1.0, clf.rate_weight / clf.bandwidth**2]), [[clf.bandwidth**-4.0]]
+    solution = solve_continuous_are(np.eye(2, k=1), [[0.0], [1.0]], q, r)
     error = np.random.default_rng(0).standard_normal((5, 2, 3))
     expected = clf.bandwidth * np.einsum("nik,ij,njk->n", error, solution, error)
     np.testing.assert_allclose(clf.value(error), expected, rtol=1e-9)

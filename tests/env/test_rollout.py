@@ -16,7 +16,6 @@ from tests.env.synthetic import (
     disturbed_physics,
     make_arrays,
     make_physics,
-    random_pose,
     robot_config,
 )
 
@@ -107,14 +106,6 @@ def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
     np.testing.assert_array_equal(recording.alive[:, 0], True)
     np.testing.assert_array_equal(recording.alive[:, 1], [True, False, False, False])
     np.testing.assert_array_equal(recording.survived, [True, False])
-
-
-def test_generalised_coordinates_of_a_state_are_the_plants():
-    physics = make_physics(COUNT)
-    qpos, qvel = random_pose(np.random.default_rng(2), COUNT)
-    physics.reset(np.arange(COUNT), qpos, qvel)
-    np.testing.assert_allclose(physics.read().qpos, qpos, atol=1e-12)
-    np.testing.assert_allclose(physics.read().qvel, qvel, atol=1e-12)
 
 
 def test_the_controller_is_told_of_changes_only():

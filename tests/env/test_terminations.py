@@ -10,9 +10,10 @@ from tests.env.synthetic import make_state
 PROTOCOL = {"base_height": 0.4, "tilt": np.pi / 4, "body_contact": 0.0}
 
 
-def test_base_height():
-    state = make_state(3, base_position=[[0, 0, 0.399], [9, 9, 0.401], [0, 0, 2.0]])
-    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [True, False, False])
+def test_height_and_contacts():
+    base = [[0, 0, 0.399], [9, 9, 0.401], [0, 0, 2.0], [0, 0, 2.0]]
+    state = make_state(4, base_position=base, body_contacts=[0, 0, 1, 2])
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [True, False, True, True])
 
 
 def test_tilt_in_any_direction():
@@ -23,11 +24,6 @@ def test_tilt_in_any_direction():
     expected = np.degrees(np.arccos(rotation[:, 2, 2])) > 45.0
     assert list(expected[:4]) == [False, True, False, True]
     np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), expected)
-
-
-def test_body_contact():
-    state = make_state(3, body_contacts=[0, 1, 2])
-    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [False, True, True])
 
 
 def test_a_blow_up_fails_whatever_the_terms():

@@ -1,9 +1,0 @@
-"""Fixtures of the environment's tests; what they return is made in ``synthetic``."""
-
-import numpy as np
-import pytest
-
-
-@pytest.fixture
-def rng() -> np.random.Generator:
-    return np.random.default_rng(0)

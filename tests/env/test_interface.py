@@ -24,12 +24,6 @@ CLIP = config("experiment=test").env.action.clip
 HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
 
 
-def at_phase(phase: float, count: int = 3) -> AgentInterface:
-    agent = make_agent(count, "env.action.offset=nominal")
-    agent.reset(np.arange(count), make_state(count), phase=phase)
-    return agent
-
-
 def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
     """A policy that sees a mirrored robot half a walk later does the mirrored thing."""
     rng = np.random.default_rng(2)
@@ -57,7 +51,8 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
 
 
 def test_actions_and_targets_are_clipped():
-    agent, action = at_phase(0.1), np.full((3, NUM_JOINTS), 1e6)
+    agent, action = make_agent(3, "env.action.offset=nominal"), np.full((3, NUM_JOINTS), 1e6)
+    agent.reset(np.arange(3), make_state(3), phase=0.1)
     targets = agent.act(action).numpy()
     np.testing.assert_array_equal(agent.action[:, ACTUATED], CLIP)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)

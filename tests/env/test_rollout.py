@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.config.env import EnvConfig
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Recording, roll_out
+from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.state import RobotState
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import NUM_JOINTS
@@ -27,7 +26,6 @@ class Stiff:
 
     def __init__(self) -> None:
         self.seen: list[RobotState] = []
-        self.velocity: np.ndarray | None = None
         self.commanded: list[tuple[int, np.ndarray]] = []  # control steps before, velocity
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
@@ -44,17 +42,8 @@ class Stiff:
 class Tiring(Stiff):
     """Gives robots up when it is asked to."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.given_up = np.zeros(0, dtype=bool)
-
     def give_up(self, robots: np.ndarray) -> None:
         self.given_up = robots
-
-
-def environment(**terms: float) -> EnvConfig:
-    env = config("experiment=test").env
-    return replace(env, termination=replace(env.termination, terms={"base_height": 0.4, **terms}))
 
 
 def starts() -> tuple[np.ndarray, np.ndarray]:
@@ -66,11 +55,13 @@ def starts() -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def record(physics: BatchedPhysics | None = None, env: EnvConfig | None = None) -> Recording:
-    command = np.array([[0.3, 0.0, 0.0]] * COUNT)
-    return roll_out(
-        Stiff(), physics or make_physics(COUNT), env or environment(), starts(), command, 0.4
-    )
+def roll(controller: Controller, physics: BatchedPhysics | None = None, **changes) -> Recording:
+    """For 0.4 s from the starts, at zero command, but for ``changes``."""
+    env = config("experiment=test").env
+    env = replace(env, termination=replace(env.termination, terms={"base_height": 0.4}))
+    physics = physics or make_physics(COUNT)
+    values = {"start": starts(), "command": np.zeros((physics.num_robots, 3)), "duration": 0.4}
+    return roll_out(controller, physics, env, **(values | changes))
 
 
 @pytest.mark.parametrize("substeps", [4, 1])
@@ -78,8 +69,8 @@ def test_the_controller_is_called_once_per_step_of_its_plant_with_the_latest_sta
     """A plant with shorter steps asks more often and is recorded as often."""
     settings = replace(config("experiment=test").env.physics, substeps=substeps)
     physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
-    controller, shares, command = Stiff(), [], np.zeros((COUNT, 3))
-    recording = roll_out(controller, physics, environment(), starts(), command, 0.4, shares.append)
+    controller, shares, command = Stiff(), [], np.full((COUNT, 3), 0.1)
+    recording = roll(controller, physics, command=command, progress=shares.append)
     assert len(controller.seen) == 20 * 4 // substeps
     assert recording.alive.shape == (20, COUNT)
     np.testing.assert_array_equal(controller.velocity, command)
@@ -101,8 +92,7 @@ def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
         return make_arrays(2, base_position=[[0, 0, 0.7], [0, 0, height]])
 
     monkeypatch.setattr(physics, "read", read)
-    start = np.tile(nominal_qpos(robot_config()), (2, 1)), np.zeros((2, 18))
-    recording = roll_out(Stiff(), physics, environment(), start, np.zeros((2, 3)), 0.08)
+    recording = roll(Stiff(), physics, start=[x[:2] for x in starts()], duration=0.08)
     np.testing.assert_array_equal(recording.alive[:, 0], True)
     np.testing.assert_array_equal(recording.alive[:, 1], [True, False, False, False])
     np.testing.assert_array_equal(recording.survived, [True, False])
@@ -112,9 +102,7 @@ def test_the_controller_is_told_of_changes_only():
     controller, commands = Stiff(), np.zeros((20, COUNT, 3))
     commands[5:, :, 0] = 0.4
     commands[12:, 1, 2] = 0.3
-    recording = roll_out(
-        controller, make_physics(COUNT), environment(), starts(), commands, 20 * 0.02
-    )
+    recording = roll(controller, command=commands)
     assert not controller.velocity.any()
     assert [step for step, _ in controller.commanded] == [5, 12]
     for step, velocity in controller.commanded:
@@ -125,9 +113,7 @@ def test_the_controller_is_told_of_changes_only():
 def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
     controller = Stiff()
     noisy = disturbed_physics(COUNT, "sensing.linear_velocity=0.5", "sensing.base_height=0.5")
-    command = np.zeros((COUNT, 3))
-    recording = roll_out(controller, noisy, environment(), starts(), command, 0.4)
-    plain = roll_out(Stiff(), make_physics(COUNT), environment(), starts(), command, 0.4)
+    recording, plain = roll(controller, noisy), roll(Stiff())
     np.testing.assert_array_equal(recording.velocity, plain.velocity)
     np.testing.assert_array_equal(recording.alive, plain.alive)
     received = np.stack([state.heading_velocity for state in controller.seen[1:]])
@@ -144,9 +130,8 @@ def test_a_robot_that_blew_up_within_a_control_step_is_lost():
                 targets[0, 3] = np.nan
             return targets
 
-    start = tuple(values[[0, 0]] for values in starts())
-    physics = make_physics(2, substeps=1)
-    recording = roll_out(Breaking(), physics, environment(), start, np.zeros((2, 3)), 0.4)
+    standing = [values[[0, 0]] for values in starts()]
+    recording = roll(Breaking(), make_physics(2, substeps=1), start=standing)
     assert recording.diverged.tolist() == [True, False]
     np.testing.assert_array_equal(recording.alive[:, 0], np.arange(20) < 5)
     assert recording.alive[:, 1].all()
@@ -154,25 +139,18 @@ def test_a_robot_that_blew_up_within_a_control_step_is_lost():
 
 def test_a_controller_that_gives_up_leaves_the_others_as_they_are():
     """Robot 2 lies from the start and is not simulated further."""
-    command = np.zeros((COUNT, 3))
     controller = Tiring()
-    found, whole = (
-        roll_out(each, make_physics(COUNT), environment(), starts(), command, 0.4)
-        for each in (controller, Stiff())
-    )
+    found, whole = roll(controller), roll(Stiff())
     assert controller.given_up.tolist() == [False, False, True, False]
     np.testing.assert_array_equal(found.alive, whole.alive)
     np.testing.assert_array_equal(found.diverged, whole.diverged)
-    others = [0, 1, 3]
-    for name in ("velocity", "yaw", "position", "foot_positions", "power", "effort_share"):
-        mine, theirs = (getattr(each, name)[:, others] for each in (found, whole))
-        np.testing.assert_array_equal(mine, theirs)
-    for mine, theirs in zip(found.contacts, whole.contacts, strict=True):
-        np.testing.assert_array_equal(mine[:, others], theirs[:, others])
+    pairs = zip(found.contacts, whole.contacts, strict=True)
+    for mine, theirs in ((found.velocity, whole.velocity), (found.power, whole.power), *pairs):
+        np.testing.assert_array_equal(mine[:, [0, 1, 3]], theirs[:, [0, 1, 3]])
     assert np.ptp(found.position[1:, 2], axis=0).max() == 0.0
     assert np.ptp(whole.velocity[1:, 2], axis=0).max() > 0.0
-    lying, last = tuple(values[[2, 2]] for values in starts()), Tiring()
-    ended = roll_out(last, make_physics(2), environment(), lying, np.zeros((2, 3)), 0.4)
+    lying, last = [values[[2, 2]] for values in starts()], Tiring()
+    ended = roll(last, make_physics(2), start=lying)
     assert len(last.seen) == 1, "nobody is left"
     assert not ended.alive.any()
     assert (ended.alive.shape, len(ended.contacts.forces)) == ((20, 2), 80), "all rows"

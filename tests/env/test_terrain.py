@@ -3,6 +3,7 @@
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import replace
+from functools import cache
 from typing import get_args
 
 import mujoco
@@ -10,12 +11,12 @@ import numpy as np
 import pytest
 
 from slider.config.env import TerrainKind
-from slider.core.arrays import tensors
 from slider.env import terminations
 from slider.env.height_field import FLAT, UnevenGround, fitted
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.env.physics import BatchedPhysics
+from slider.env.state import RobotState
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import (
@@ -50,28 +51,26 @@ def height(physics: BatchedPhysics, x: list[float], y: float = 0.0) -> np.ndarra
     return ground_of(physics).height(np.tile(points, (COUNT, 1, 1)))
 
 
-def test_slopes_rise_by_their_angle():
-    slope = np.tan(np.radians(5 * 1.25))
-    np.testing.assert_allclose(height(stand(on("slope_up")), [2.0])[0], 2.0 * slope)
-    np.testing.assert_allclose(height(stand(on("slope_down")), [2.0])[0], -2.0 * slope)
+def test_a_slope_across_rises_to_either_side():
     across = height(stand(on("slope_across")), [0.0], y=1.0)[:, 0]
-    np.testing.assert_allclose(np.abs(across), slope)
-    assert len(np.unique(across.round(9))) == 2, "to either side"
+    np.testing.assert_allclose(np.abs(across), np.tan(np.radians(5 * 1.25)))
+    assert len(np.unique(across.round(9))) == 2
 
 
 @pytest.mark.parametrize(("sign", "way"), [(1.0, "up"), (-1.0, "down")])
-def test_steps_and_stairs_begin_after_level_ground(sign, way):
+def test_slopes_steps_and_stairs_go_their_way(sign, way):
+    """Steps and stairs begin after level ground."""
+    slope = height(stand(on(f"slope_{way}")), [2.0])
+    np.testing.assert_allclose(slope[0], sign * 2.0 * np.tan(np.radians(5 * 1.25)))
     step = height(stand(on(f"step_{way}")), [0.0, 0.29, 0.61, 5.0])
     np.testing.assert_allclose(step[0], sign * np.array([0.0, 0.0, 0.06, 0.06]))
     physics = stand(on(f"stairs_{way}"))
     starts = ground_of(physics).start
     assert np.ptp(starts) > 0.05, "not all at one place"
-    first = float(starts[0])
-    edges = first + 0.3 * np.arange(12)
-    risers = height(physics, [*(edges - 1e-6), *(edges + 1e-6)])[0].reshape(2, 12)
-    np.testing.assert_allclose(risers[0], sign * 0.05 * np.arange(12), atol=1e-12)
-    np.testing.assert_allclose(risers[1], sign * 0.05 * np.arange(1, 13), atol=1e-12)
-    np.testing.assert_allclose(height(physics, [20.0])[0], sign * 0.6)
+    edges = starts[0] + 0.3 * np.arange(12)
+    risers = height(physics, [*(edges - 1e-6), *(edges + 1e-6), 20.0])[0]
+    steps = [*range(12), *range(1, 13), 12]
+    np.testing.assert_allclose(risers, sign * 0.05 * np.array(steps), atol=1e-12)
 
 
 def test_gaps_lie_between_boards():
@@ -141,8 +140,9 @@ def clearance(physics: BatchedPhysics) -> np.ndarray:
 
 
 def test_level_tiles_push_a_dropped_robot_upwards():
-    physics = stand(on("tiles", level=0.02))
-    rng, force = np.random.default_rng(0), np.zeros(2)
+    """Spheres that sink in at a seam would be pushed sideways."""
+    physics, wrench = stand(on("tiles", level=0.02)), np.zeros(6)
+    rng, force = np.random.default_rng(0), np.zeros(2)  # horizontal and vertical [N]
     for robot, model in enumerate(physics.models):
         data = mujoco.MjData(model)
         data.qpos[:] = physics.qpos[robot]
@@ -152,20 +152,13 @@ def test_level_tiles_push_a_dropped_robot_upwards():
         data.ctrl[:] = data.actuator_length
         for _ in range(60):
             mujoco.mj_step(model, data)
-            force += _normal_forces(model, data)
+            for index, contact in enumerate(data.contact):
+                if 0 in model.geom_bodyid[contact.geom]:
+                    mujoco.mj_contactForce(model, data, index, wrench)
+                    normal = np.abs(contact.frame[:3])
+                    force += wrench[0] * np.array([np.hypot(*normal[:2]), normal[2]])
     assert force[1] > 1e4
-    assert force[0] < 0.02 * force[1], "spheres that sink in at a seam are pushed sideways"
-
-
-def _normal_forces(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    """Sums of horizontal and vertical parts of the ground's normal forces (2,) [N]."""
-    total, force = np.zeros(2), np.zeros(6)
-    for index, contact in enumerate(data.contact):
-        if 0 in model.geom_bodyid[contact.geom]:
-            mujoco.mj_contactForce(model, data, index, force)
-            normal = np.abs(contact.frame[:3])
-            total += force[0] * np.array([np.hypot(*normal[:2]), normal[2]])
-    return total
+    assert force[0] < 0.02 * force[1]
 
 
 @pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across", "tiles", "field"])
@@ -189,28 +182,28 @@ def test_boxes_follow_feet_that_walk_on():
         if step == 5:
             physics.qpos[:, 2] += 0.3
             physics.qvel[:, 2] = 0.0
-    state = physics.read()
+    feet = physics.read().foot_positions[..., :2]
+    here = ground_of(physics).height(feet)
     for robot in range(0, COUNT, 3):
-        model = physics.models[robot]
-        for foot in state.foot_positions[robot, :, :2]:
-            here = ground_of(physics).height(np.tile(foot, (COUNT, 1)))[robot]
-            assert abs(_ray(model, foot) - here) < 0.003
+        found = [_ray(physics.models[robot], foot) for foot in feet[robot]]
+        np.testing.assert_allclose(found, here[robot], rtol=0, atol=0.003)
 
 
-def ramp(slope: float = 0.1) -> UnevenGround:
+@cache
+def ramp() -> UnevenGround:
     """Rises with x."""
-    rows = ground_of(stand(on("slope_up"))).of(np.arange(2))
-    return replace(rows, slope=np.array([[slope, 0.0]] * 2))
+    ground = ground_of(stand(on("slope_up"))).of(np.arange(2))
+    return replace(ground, slope=np.array([[0.1, 0.0]] * 2))
+
+
+def on_ramp(**quantities: np.ndarray | list) -> RobotState:
+    return replace(make_arrays(2, **quantities), ground=ramp()).tensors(FLOAT64)
 
 
 def test_the_scan_reads_the_ground_below_each_point():
-    state = replace(
-        make_arrays(2, base_position=[[50.0, 20.0, 6.0], [50.0, 20.0, 6.0]], yaw=[0.0, np.pi / 2]),
-        ground=ramp(),
-    ).tensors(FLOAT64)
+    state = on_ramp(base_position=[50.0, 20.0, 6.0], yaw=[0.0, np.pi / 2])
     scan = height_scan(make_view(state)).reshape(2, 15, 12)
-    x = 0.1 * (np.arange(15) - 7.0)
-    y = 0.1 * (np.arange(12) - 5.5)
+    x, y = 0.1 * (np.arange(15) - 7.0), 0.1 * (np.arange(12) - 5.5)
     np.testing.assert_allclose(scan[0], np.tile(6.0 - 5.0 - 0.1 * x[:, None], 12), atol=1e-9)
     np.testing.assert_allclose(scan[1], np.tile(1.0 + 0.1 * y, (15, 1)), atol=1e-9)
     flat = height_scan(make_view(replace(state, ground=FLAT)))
@@ -218,15 +211,8 @@ def test_the_scan_reads_the_ground_below_each_point():
 
 
 def test_base_height_and_terminations_are_about_the_ground_under_the_feet():
-    heights = [5.0 + 0.5, 5.0 + 0.3]
-    state = replace(
-        make_arrays(
-            2,
-            base_position=[[50.0, 0.0, heights[0]], [50.0, 0.0, heights[1]]],
-            foot_positions=[[[49.0, 0.1, 0.0], [51.0, -0.1, 0.0]]] * 2,
-        ),
-        ground=ramp(),
-    ).tensors(FLOAT64)
+    feet = [[49.0, 0.1, 0.0], [51.0, -0.1, 0.0]]
+    state = on_ramp(base_position=[[50.0, 0.0, 5.5], [50.0, 0.0, 5.3]], foot_positions=feet)
     np.testing.assert_allclose(state.base_height, [0.5, 0.3])
     np.testing.assert_array_equal(terminations.failed(state, {"base_height": 0.4}), [False, True])
     view = make_view(state)
@@ -236,17 +222,14 @@ def test_base_height_and_terminations_are_about_the_ground_under_the_feet():
 def test_the_guide_follows_the_ground_under_each_foot():
     feet = np.array([[[0.2, 0.1], [-0.2, -0.1]]] * 2)
     change = fitted(ramp(), feet, np.array([0.0, np.pi]))
-    left, right = (names.JOINTS.index(f"{side}_slide") for side in names.SIDES)
-    np.testing.assert_allclose(change[:, left], -0.02, atol=1e-12)
-    np.testing.assert_allclose(change[:, right], 0.02, atol=1e-12)
-    ankle = names.JOINTS.index("left_ankle")
-    np.testing.assert_allclose(change[:, ankle], [-np.arctan(0.1), np.arctan(0.1)])
+    columns = [names.JOINTS.index(name) for name in ("left_slide", "right_slide", "left_ankle")]
+    turn = np.arctan(0.1)
+    expected = [[-0.02, 0.02, -turn], [-0.02, 0.02, turn]]
+    np.testing.assert_allclose(change[:, columns], expected, atol=1e-12)
     positions = np.concatenate([feet, np.zeros((2, 2, 1))], axis=-1)
-    state = make_arrays(2, foot_positions=positions, yaw=[0.0, np.pi])
-    view = make_view(state.tensors(FLOAT64))
-    level = make_guide().at_phase(view)
-    uneven = replace(view, state=replace(view.state, ground=tensors(ramp(), FLOAT64)))
-    difference = make_guide().at_phase(uneven) - level
+    uneven = make_view(on_ramp(foot_positions=positions, yaw=[0.0, np.pi]))
+    level = replace(uneven, state=replace(uneven.state, ground=FLAT))
+    difference = make_guide().at_phase(uneven) - make_guide().at_phase(level)
     np.testing.assert_allclose(difference[:, :12], change, atol=1e-12)
     assert not difference[:, 12:].any()
 

@@ -16,14 +16,12 @@ from slider.control.export import (
     compare,
     export,
     record_observations,
-    run,
     save_onnx,
     write_files,
 )
 from slider.control.exported import OnnxNetwork
 from slider.control.policy import PolicyNetwork, load_policy
 from slider.core.errors import UserError
-from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
 from tests.control.policies import make_policy, write_policy
@@ -95,31 +93,21 @@ def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):
         assert b"site-packages" not in content, name
 
 
-def test_the_stage_exports_the_walking_policy(folder, tmp_path):
-    out = tmp_path / "out"
-    out.mkdir()
-    job = Job(tmp_path)
-    summary = run({"origin": {"recipe": "abc"}, "estimator": None}, {"walking": [folder]}, out, job)
-    assert summary == {"observations": 4800, "tolerance": 1e-5}
-    assert job.volatile["onnx_difference"] <= 1e-5
-    assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)
-
-
 def test_the_command_exports_and_shows(folder, tmp_path, capsys):
-    assert main(["policy", "export", str(folder / "policy.pt"), "--out", str(tmp_path / "a")]) == 0
+    path, out = str(folder / "policy.pt"), tmp_path / "a"
+    assert main(["policy", "export", path, "--out", str(out)]) == 0
     assert "largest difference of an action over 4800 observations" in capsys.readouterr().out
-    assert {path.name for path in (tmp_path / "a").iterdir()} == set(EXPORT_FILES)
-    assert main(["policy", "show", str(folder / "policy.pt")]) == 0
-    shown = capsys.readouterr().out
+    assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)
     size = sum(load_policy(folder / "policy.pt").observations.values())
-    assert f"{size} × 24 × 16 × 12, elu" in shown
-    assert "actions about   the gait of the reference velocity, which changes by 2.5 m/s²" in shown
-    assert "left_slide" in shown
+    assert main(["policy", "show", path]) == 0
+    shown = capsys.readouterr().out
+    for part in (f"{size} × 24 × 16 × 12, elu", "actions about   the gait", "left_slide"):
+        assert part in shown
+    assert main(["policy", "show", "--json", path]) == 0
+    assert json.loads(capsys.readouterr().out)["observation"]["size"] == size
     (tmp_path / "policy.pt").write_text("not a policy")
     assert main(["policy", "show", str(tmp_path / "policy.pt")]) == 1
     assert capsys.readouterr().err.count("\n") == 1
-    assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
-    assert json.loads(capsys.readouterr().out)["observation"]["size"] == size
 
 
 @pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])

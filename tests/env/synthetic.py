@@ -343,3 +343,47 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         **values,
     )
     return tensors(view, FLOAT64)
+
+
+def random_view(count: int, mirrored: bool = False) -> View:
+    """A view of robots in random motion, or of the same robots in a mirror.
+
+    Quantities of sensors, which are 0 before the first step, are random, too.
+    """
+    rng = np.random.default_rng(7)
+    pose = random_pose(rng, count)
+    command = rng.uniform(-0.2, 0.6, (count, 4))
+    actions = rng.standard_normal((2, count, NUM_JOINTS))
+    filtered, expected = rng.standard_normal((2, count, 2))
+    phase = rng.uniform(size=count)
+    torques = rng.standard_normal((count, 2, len(MOTORS) // 2))
+    positions, velocities = rng.standard_normal((2, count, 2, 3))
+    forces, contacts = rng.uniform(10.0, 200.0, (count, 2)), rng.uniform(0.0, 3.0, count)
+    if mirrored:
+        pose = mirror_pose(*pose)
+        command = command * [1.0, -1.0, -1.0, -1.0]
+        actions = actions[..., PERMUTATION] * SIGN
+        filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
+        phase = (phase + 0.5) % 1.0
+        torques = torques[:, ::-1] * [-1.0, -1.0, 1.0, 1.0, 1.0]  # yaw and roll flip
+        positions, velocities = (v[:, ::-1] * [1.0, -1.0, 1.0] for v in (positions, velocities))
+        forces = forces[:, ::-1].copy()
+    physics = make_physics(count)
+    physics.reset(np.arange(count), *pose)
+    state = replace(
+        physics.read(),
+        motor_torques=torques.reshape(count, -1),
+        foot_positions=positions,
+        foot_velocities=velocities,
+        foot_forces=forces,
+        body_contacts=contacts,
+    )
+    return make_view(
+        state,
+        command=command,
+        action=actions[0],
+        previous_action=actions[1],
+        filtered_velocity=filtered,
+        expected_velocity=expected,
+        phase=phase,
+    )

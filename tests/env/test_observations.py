@@ -8,18 +8,7 @@ import torch
 
 from slider.config.env import HeightScan, ObservationConfig
 from slider.env.observations import TERMS, Observer
-from slider.env.state import View
-from slider.robot.names import MOTORS
-from tests.env.synthetic import (
-    PERMUTATION,
-    SIGN,
-    config,
-    make_physics,
-    make_state,
-    make_view,
-    mirror_pose,
-    random_pose,
-)
+from tests.env.synthetic import config, make_state, make_view, random_view
 
 COUNT = 5
 NOBODY = torch.zeros(COUNT, dtype=torch.bool)
@@ -44,51 +33,6 @@ def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
     )
 
 
-def physical_view(mirrored: bool) -> View:
-    """A view of robots in random motion, or of the same robots in a mirror.
-
-    Quantities of sensors, which are 0 before the first step, are random, too.
-    """
-    rng = np.random.default_rng(7)
-    pose = random_pose(rng, COUNT)
-    command = rng.standard_normal((COUNT, 4))
-    actions = rng.standard_normal((2, COUNT, 12))
-    filtered, expected = rng.standard_normal((2, COUNT, 2))
-    phase = rng.uniform(size=COUNT)
-    torques = rng.standard_normal((COUNT, 2, len(MOTORS) // 2))
-    positions, velocities = rng.standard_normal((2, COUNT, 2, 3))
-    forces, contacts = rng.uniform(10.0, 200.0, (COUNT, 2)), rng.uniform(0.0, 3.0, COUNT)
-    if mirrored:
-        pose = mirror_pose(*pose)
-        command = command * [1.0, -1.0, -1.0, -1.0]
-        actions = actions[..., PERMUTATION] * SIGN
-        filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
-        phase = (phase + 0.5) % 1.0
-        torques = torques[:, ::-1] * [-1.0, -1.0, 1.0, 1.0, 1.0]  # yaw and roll flip
-        positions, velocities = (v[:, ::-1] * [1.0, -1.0, 1.0] for v in (positions, velocities))
-        forces = forces[:, ::-1].copy()
-    physics = make_physics(COUNT)
-    physics.reset(np.arange(COUNT), *pose)
-    state = replace(
-        physics.read(),
-        motor_torques=torques.reshape(COUNT, -1),
-        foot_positions=positions,
-        foot_velocities=velocities,
-        foot_forces=forces,
-        body_contacts=contacts,
-    )
-    return make_view(
-        state,
-        command=command,
-        action=actions[0],
-        previous_action=actions[1],
-        filtered_velocity=filtered,
-        reference_velocity=expected,
-        expected_velocity=expected,
-        phase=phase,
-    )
-
-
 def test_the_papers_layout():
     layout = Observer(config("experiment=paper").env.observation).layout
     assert layout == PAPER
@@ -97,9 +41,9 @@ def test_the_papers_layout():
 
 @pytest.mark.parametrize("name", TERMS)
 def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
-    see, view = observer(name), physical_view(False)
+    see, view = observer(name), random_view(COUNT)
     reflected, plain = see(view, ~NOBODY), see(view, NOBODY)
-    expected = see(physical_view(True), NOBODY)
+    expected = see(random_view(COUNT, mirrored=True), NOBODY)
     assert reflected.shape == (COUNT, see.layout[name])
     np.testing.assert_allclose(reflected, expected, atol=1e-6)
     turned = (see.permutation != np.arange(see.size)).any() or (see.sign < 0.0).any()
@@ -109,7 +53,7 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
 
 def test_only_the_asked_robots_are_reflected():
     see, some = observer(*TERMS), torch.arange(COUNT) % 2 == 0
-    mixed, plain, full = (see(physical_view(False), which) for which in (some, NOBODY, ~NOBODY))
+    mixed, plain, full = (see(random_view(COUNT), which) for which in (some, NOBODY, ~NOBODY))
     np.testing.assert_array_equal(mixed[some], full[some])
     np.testing.assert_array_equal(mixed[~some], plain[~some])
 

@@ -18,10 +18,9 @@ from tests.env.synthetic import (
     gait_table,
     library,
     make_guide,
-    make_physics,
     make_state,
     make_view,
-    random_pose,
+    random_view,
     turning_library,
 )
 
@@ -31,23 +30,6 @@ STAND = [0.0, 0.0, 0.0, 0.3]  # a heading error is no command
 
 def value(name: str, view: View, gait: str = "interpolated", **params: float) -> np.ndarray:
     return TERMS[name].function(RewardView(view, make_guide(gait)), **params)
-
-
-def moving_view(count: int = 40) -> View:
-    rng = np.random.default_rng(11)
-    physics = make_physics(count)
-    physics.reset(np.arange(count), *random_pose(rng, count))
-    physics.step(0.1 * rng.standard_normal((count, 12)))
-    command = rng.uniform(-0.2, 0.6, (count, 4))
-    return make_view(
-        physics.read(),
-        command=command,
-        action=rng.standard_normal((count, 12)),
-        previous_action=rng.standard_normal((count, 12)),
-        filtered_velocity=rng.standard_normal((count, 2)),
-        expected_velocity=rng.standard_normal((count, 2)),
-        phase=rng.uniform(size=count),
-    )
 
 
 def joint(name: str, number: float) -> np.ndarray:
@@ -148,7 +130,7 @@ def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
     on_it = make_view(make_state(4, joint_positions=reference + turn), command=command, phase=phase)
     np.testing.assert_allclose(value("guide_phase_turning", on_it, width=0.35), 1.0)
     assert (value("guide_phase", on_it, width=0.35) < 1.0).all()
-    straight = moving_view()
+    straight = random_view(40)
     straight.command[:, 2] = 0.0
     np.testing.assert_array_equal(
         value("guide_phase_turning", straight, width=0.35),
@@ -194,7 +176,7 @@ def test_the_guide_of_a_halted_robot_is_standing():
 
 
 def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
-    view = moving_view()
+    view = random_view(40)
     reference = gait_table().at(view.command[:, :3].numpy(), view.phase.numpy())[:, :12]
 
     def off(name: str, error: float) -> np.ndarray:
@@ -294,7 +276,7 @@ def test_gaits_that_turn_need_the_hip_yaws_of_what_they_lack_only():
 @pytest.mark.parametrize("gait", ["nearest", "interpolated"])
 @pytest.mark.parametrize("masked", [0.0, 1.0])
 def test_guide_nearest_against_brute_force(masked, gait):
-    view = moving_view()
+    view = random_view(40)
     if gait == "interpolated":
         view.command[:, :2] = torch.tensor([0.2, 0.0])  # half way between two gaits
     keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
@@ -305,7 +287,7 @@ def test_guide_nearest_against_brute_force(masked, gait):
 
 def test_the_printed_reward():
     """The terms as printed, with their weights, computed here from the state alone."""
-    view = moving_view()
+    view = random_view(40)
     train = config("experiment=paper").train.walking
     guided = RewardView(view, make_guide(train.guide.gait))
     reward, parts = Reward(train.reward)(guided, np.zeros(40, dtype=bool))

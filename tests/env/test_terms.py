@@ -1,10 +1,12 @@
 """A term is one function and one line of the configuration, and says itself what it needs."""
 
-import importlib.util
 import re
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from textwrap import dedent
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -21,8 +23,7 @@ from slider.env.declaration import Needs
 from slider.env.rewards import RewardView
 from slider.env.terms import check_clock, checked, uses_library
 from tests.control.policies import make_policy
-from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
-from tests.env.test_rewards import moving_view
+from tests.env.synthetic import CONF, config, make_guide, make_state, make_view, random_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
@@ -40,79 +41,51 @@ def params() -> dict[str, dict[str, float]]:
 
 
 @pytest.fixture
-def documented(tmp_path):
-    """The two terms of the page about adding one, in a module, and their lines of YAML.
+def documented():
+    """The two terms of the page about adding one, declared in their modules, and their lines.
 
     They take the place of terms that were added under the same names.
     """
-    before = {module: dict(module.TERMS) for module in (rewards, observations)}
     lines = {}
-    for module, title in ((rewards, "A reward term"), (observations, "An observation")):
-        section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
-        code = re.search(r"```python\n(.*?)```", section, re.S)[1]
-        line = yaml.safe_load(re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1])
-        for name in line:
-            module.TERMS.pop(name, None)
-        path = tmp_path / f"more_{title.split()[-1]}.py"
-        indented = code.replace("\n    ", "\n").strip()
-        path.write_text(f"from {module.__name__} import *\n\n{indented}\n")
-        spec = importlib.util.spec_from_file_location(path.stem, path)
-        spec.loader.exec_module(importlib.util.module_from_spec(spec))
-        lines[module] = line
-    yield lines
-    for module, terms in before.items():
-        module.TERMS.clear()
-        module.TERMS.update(terms)
-
-
-def overridden(lines) -> list[str]:
-    ((name, term),) = lines[rewards].items()
-    ((seen, scale),) = lines[observations].items()
-    text = f"{{weight: {term['weight']}, params: {{limit: {term['params']['limit']}}}}}"
-    return [
-        f"++train.walking.reward.terms.{name}={text}",
-        f"++env.observation.terms.{seen}={scale}",
-    ]
+    with patch.dict(rewards.TERMS), patch.dict(observations.TERMS):
+        for module, title in ((rewards, "A reward term"), (observations, "An observation")):
+            section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
+            code = re.search(r"```python\n(.*?)```", section, re.S)[1]
+            lines[module] = yaml.safe_load(re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1])
+            for name in lines[module]:
+                module.TERMS.pop(name, None)
+            exec(dedent(code), {**vars(module)})
+        yield lines
 
 
 def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(documented):
-    overrides = overridden(documented)
+    ((name, term),) = documented[rewards].items()
+    ((seen, scale),) = documented[observations].items()
+    text = f"{{weight: {term['weight']}, params: {{limit: {term['params']['limit']}}}}}"
+    overrides = [
+        f"++train.walking.reward.terms.{name}={text}",
+        f"++env.observation.terms.{seen}={scale}",
+    ]
     whole = config("experiment=test", "env.phase.mirror=true", *overrides)
     checked(whole)
     env = build(whole)
     generator = torch.Generator().manual_seed(0)
     logged, loaded = [], 0
-    layout = env.agent.observer.layout
-    names = list(layout)
-    start = sum(layout[name] for name in names[: names.index("foot_forces")])
+    rows = describe(make_policy(*overrides), {})["observation"]["terms"]
+    (row,) = [each for each in rows if each["name"] == "foot_forces"]
+    assert (row["width"], row["scale"], row["units"]) == (2, 0.005, ["N", "N"])
+    assert row["components"] == ["left", "right"]
     for _ in range(40):
-        found, _, _, extras = env.step(actions("random", generator))
+        found, _, _, extras = env.step(actions(True, generator))
         logged.append(extras["log"]["/reward/knock"])
         forces = np.clip(0.005 * env.physics.read().foot_forces, 0.0, whole.env.observation.clip)
-        seen = found["policy"][:, start : start + 2].numpy()  # right stance is reflected
+        seen = found["policy"][:, row["start"] :][:, :2].numpy()  # right stance is reflected
         np.testing.assert_allclose(np.sort(seen), np.sort(forces), rtol=1e-6)
         loaded += (seen > 0).sum()
-    assert layout["foot_forces"] == 2
     robots = np.array(logged) / (-0.1 / NUM_ENVS)  # that knock
     np.testing.assert_allclose(robots, np.round(robots), atol=1e-9)
     assert 0 <= robots.min() < robots.max() <= NUM_ENVS
     assert loaded > 0
-    policy = make_policy(*overrides)
-    (row,) = [
-        term
-        for term in describe(policy, {})["observation"]["terms"]
-        if term["name"] == "foot_forces"
-    ]
-    assert row == {
-        "name": "foot_forces",
-        "start": start,
-        "width": 2,
-        "scale": 0.005,
-        "units": ["N", "N"],
-        "frame": "world",
-        "components": ["left", "right"],
-        "meaning": "Vertical ground reaction of each foot.",
-    }
 
 
 def test_every_parameter_of_a_term_has_its_unit():
@@ -126,7 +99,7 @@ def test_every_parameter_of_a_term_has_its_unit():
 
 @pytest.mark.parametrize("name", rewards.TERMS)
 def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name):
-    term, view = rewards.TERMS[name], moving_view()
+    term, view = rewards.TERMS[name], random_view(40)
     later = replace(view, phase=(view.phase + 0.37) % 1.0)
     before = RewardView(view, make_guide()).outputs
     values = [
@@ -134,10 +107,8 @@ def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name)
         for seen in (view, later)
     ]
     assert (values[0] != values[1]).any() == (Needs.CLOCK in term.needs)
-    if Needs.LIBRARY in term.needs:
-        with pytest.raises(UserError, match="expected a gait library"):
-            term.function(RewardView(view, None), **params()[name])
-    else:
+    refused = pytest.raises(UserError, match="expected a gait library")
+    with refused if Needs.LIBRARY in term.needs else nullcontext():
         term.function(RewardView(view, None), **params()[name])
 
 
@@ -148,14 +119,14 @@ def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
     assert (seen[0] != seen[1]).any() == (Needs.CLOCK in term.needs)
 
 
-MISTAKES = [
-    ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
-    ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
-    ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
-]
-
-
-@pytest.mark.parametrize(("override", "message"), MISTAKES)
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
+        ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
+        ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
+    ],
+)
 def test_every_mistake_is_one_line(override, message, capsys):
     assert main(["config", override, "--conf", str(CONF)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
@@ -183,10 +154,8 @@ def test_a_term_that_counts_needs_its_clock_and_its_library():
         for weight in (0.0, 1.0):
             terms = {name: replace(term, weight=weight)}
             train = replace(bare, reward=replace(walking.reward, terms=terms))
-            counts = weight > 0
+            counts, message = weight > 0, f"me: reward.terms: .* for {name}, found no"
             assert uses_library(whole.env, train) == (counts and Needs.LIBRARY in needs), name
-            if counts and Needs.CLOCK in needs:
-                with pytest.raises(UserError, match=f"me: reward.terms: .* for {name}, found no"):
-                    check_clock(whole.env, train, "me")
-            else:
+            refused = pytest.raises(UserError, match=message)
+            with refused if counts and Needs.CLOCK in needs else nullcontext():
                 check_clock(whole.env, train, "me")

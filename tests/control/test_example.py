@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.config.env import SensorsConfig
+from slider.config.env import EstimatorConfig, SensorsConfig
 from slider.control.export import write_files
-from slider.control.policy import PolicyController
+from slider.control.policy import Policy, PolicyController
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.library.lookup import GaitTable
@@ -46,15 +46,13 @@ ONBOARD = config("experiment=test").env.onboard
 STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
 
 
-def written(folder: Path, *overrides: str) -> Path:
+def exported(folder: Path, *overrides: str, estimator: EstimatorConfig | None = None) -> Policy:
     write_policy(folder / "policy.pt", *overrides, only=COMPUTED)
-    return folder / "policy.pt"
+    return write_files(folder / "policy.pt", {}, folder, estimator)
 
 
 def load_example():
     spec = importlib.util.spec_from_file_location("run_policy", EXAMPLE)
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -76,7 +74,7 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
     if turning:
         table = GaitTable.from_library(turning_library())
         monkeypatch.setattr(policies, "gait_table", lambda: table)
-    policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
+    policy = exported(tmp_path, *overrides)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
     physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
     agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
@@ -110,13 +108,12 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
         assert not any(halted[STARTED + 1 : STOPPED])
         assert halted[-1]
     if policy.env.phase.mirror:
-        assert agent.clock is not None
         assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
 
 
 def test_it_estimates_the_state_like_the_package(tmp_path):
     onboard = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 17))
-    policy = write_files(written(tmp_path), {}, tmp_path, onboard.estimator)
+    policy = exported(tmp_path, estimator=onboard.estimator)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1, onboard=onboard)
     example = load_example()
     outside = example.Policy(tmp_path)
@@ -136,7 +133,7 @@ def test_it_estimates_the_state_like_the_package(tmp_path):
 
 
 def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
-    write_files(written(tmp_path), {}, tmp_path)
+    exported(tmp_path)
     example = load_example()
     outside = example.Policy(tmp_path)
     state = example.Simulation(tmp_path, outside.layout).state()
@@ -157,7 +154,7 @@ def test_it_is_a_program_of_python_3_8():
 
 
 def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(tmp_path):
-    write_files(written(tmp_path), {}, tmp_path)
+    exported(tmp_path)
     model = tmp_path / "robot.xml"
     model.write_text(model.read_text().replace('gaintype="dcmotor"', 'gaintype="future"'))
     layout = json.loads((tmp_path / "policy.json").read_text())
@@ -167,17 +164,13 @@ def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(tmp_path):
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):
-    write_files(written(tmp_path), {}, tmp_path, ONBOARD.estimator)
+    exported(tmp_path, estimator=ONBOARD.estimator)
     blocked = tmp_path / "blocked" / "slider"
     blocked.mkdir(parents=True)
     (blocked / "__init__.py").write_text("raise ImportError('the example needs the package')")
+    options = ["--velocity", "0", "0", "0", "--seconds", "1", "--onboard"]
     answer = subprocess.run(
-        [
-            sys.executable,
-            str(EXAMPLE),
-            str(tmp_path),
-            *["--velocity", "0", "0", "0", "--seconds", "1", "--onboard"],
-        ],
+        [sys.executable, str(EXAMPLE), str(tmp_path), *options],
         env={"PYTHONPATH": str(blocked.parent)},
         capture_output=True,
         text=True,

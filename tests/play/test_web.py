@@ -6,19 +6,13 @@ import sys
 import time
 from pathlib import Path
 
-import pytest
-
 REPOSITORY = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def port() -> int:
+def test_listens_at_one_address():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        return free.getsockname()[1]
-
-
-def test_listens_at_one_address(port):
+        port = free.getsockname()[1]
     command = [sys.executable, "-m", "slider.cli", "play", "random", "--web", "--port", str(port)]
     viewer = subprocess.Popen(command, cwd=REPOSITORY, stdout=subprocess.PIPE, text=True)
     try:

@@ -1,5 +1,6 @@
 """Steps by virtual constraints: their gait, their end, and the return map in MuJoCo."""
 
+from copy import copy
 from dataclasses import replace
 from functools import cache
 
@@ -7,7 +8,6 @@ import numpy as np
 import pytest
 
 from slider.config.control import HzdControlConfig
-from slider.control.hzd.gaits import EnforcedGaits, GaitSteps
 from slider.control.hzd.motion import section
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.controller import PlantModel
@@ -23,18 +23,6 @@ from tests.hzd.sample import CLOCK, HIP, VELOCITIES, library, walks
 COUNT = 2
 ROBOTS = np.arange(COUNT)
 TICK = 0.005  # [s]
-
-
-class RecordedGaits(EnforcedGaits):
-    """Gaits that record the velocities at which they are read."""
-
-    def __init__(self) -> None:
-        vars(self).update(vars(gaits()))
-        self.velocities: list[np.ndarray] = []
-
-    def at(self, velocities: np.ndarray, stance: np.ndarray) -> GaitSteps:
-        self.velocities.append(velocities.copy())
-        return super().at(velocities, stance)
 
 
 def control(**changes) -> HzdControlConfig:
@@ -56,9 +44,13 @@ def standing() -> Dynamics:
 
 def walking(
     velocity: tuple[float, float, float], settings: HzdControlConfig | None = None
-) -> tuple[HzdSteps, Memory, RecordedGaits]:
-    """Long after the commanded velocity changed, in the first step of a walk on the left foot."""
-    settings, recorded = settings or control(), RecordedGaits()
+) -> tuple[HzdSteps, Memory, list[np.ndarray]]:
+    """Long after the commanded velocity changed, in the first step of a walk on the left foot.
+
+    The list gets the velocities at which gaits are read.
+    """
+    settings, recorded, read = settings or control(), copy(gaits()), []
+    recorded.at = lambda at, stance: read.append(at.copy()) or gaits().at(at, stance)
     plant = PlantModel(robot_config(), settings, settings.descent, TICK)
     steps = HzdSteps(settings, recorded, KneeLengths.of(robot_config()), plant)
     memory = Memory.on_both_feet(np.tile(velocity, (COUNT, 1)), np.zeros(COUNT))
@@ -66,7 +58,7 @@ def walking(
     memory.previous[:] = velocity[:2]
     steps.reset(COUNT)
     steps.begin(memory, ROBOTS, standing(), np.full(COUNT, LEFT))
-    return steps, memory, recorded
+    return steps, memory, read
 
 
 @pytest.mark.parametrize("contact", [True, False])
@@ -91,7 +83,7 @@ def test_a_step_ends_where_its_phase_is_stuck():
 
 def next_velocity(planned: tuple[float, float, float], last: float, turned: float) -> np.ndarray:
     """Velocity (3,) of the gait of a step after one at ``last`` [m/s] along its middle."""
-    steps, memory, recorded = walking(planned)
+    steps, memory, read = walking(planned)
     memory.steps[:], memory.heading[:], memory.walked[:] = 5, turned, 20.0
     way = 0.4 * last * np.array([np.cos(turned / 2), np.sin(turned / 2)])
     dynamics = standing()
@@ -100,7 +92,7 @@ def next_velocity(planned: tuple[float, float, float], last: float, turned: floa
     memory.changed[:] = 20.0  # no integral action yet
     memory.previous[:] = planned[:2]
     steps.begin(memory, ROBOTS, dynamics, np.full(COUNT, RIGHT))
-    return recorded.velocities[-1][0]
+    return read[-1][0]
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from slider.env.starts import at_rest
 from slider.env.state import RobotState
 from slider.robot import names
 from tests.control.walking import walk
-from tests.env.synthetic import config, robot_config
+from tests.env.synthetic import config, make_arrays, robot_config
 
 COUNT, TICKS = 4, 40
 DELAY = 0.02  # [s]
@@ -25,16 +25,11 @@ def disturbance(**changes) -> DisturbanceConfig:
     return replace(config().evaluation.disturbance, **changes)
 
 
-def plant(settings: DisturbanceConfig) -> BatchedPhysics:
-    physics = replace(config().env.physics, substeps=1)
-    noise = Disturbance(settings, (3,))
-    return BatchedPhysics(robot_config(), physics, COUNT, 1, "torque", noise)
-
-
 def run(settings: DisturbanceConfig, gains: ObserverConfig) -> tuple[list[RobotState], ...]:
     """True, measured and estimated states while random torques act."""
-    physics = plant(settings)
     model = replace(config().env.physics, substeps=1)
+    noise = Disturbance(settings, (3,))
+    physics = BatchedPhysics(robot_config(), model, COUNT, 1, "torque", noise)
     observer = Observer(robot_config(), model, gains, COUNT)
     generator = np.random.default_rng(5)
     start = at_rest(robot_config(), config().evaluation.start, generator, COUNT)
@@ -58,11 +53,10 @@ def test_predicts_the_true_state_at_which_the_torques_will_act(delay):
     true, _, estimated = run(settings, ObserverConfig(delay, 0.3, 0.2))
     late = round(delay / 0.005)
     for tick in range(TICKS - late):
-        np.testing.assert_allclose(estimated[tick].qpos, true[tick + late].qpos, atol=1e-9)
-        np.testing.assert_allclose(estimated[tick].qvel, true[tick + late].qvel, atol=1e-7)
-        np.testing.assert_allclose(
-            estimated[tick].foot_forces, true[tick + late].foot_forces, atol=1e-5
-        )
+        found, expected = estimated[tick], true[tick + late]
+        np.testing.assert_allclose(found.qpos, expected.qpos, atol=1e-9)
+        np.testing.assert_allclose(found.qvel, expected.qvel, atol=1e-7)
+        np.testing.assert_allclose(found.foot_forces, expected.foot_forces, atol=1e-5)
 
 
 def test_is_less_noisy_than_the_sensors():
@@ -80,10 +74,7 @@ def test_is_less_noisy_than_the_sensors():
 
 
 def test_robots_given_up_leave_the_others_as_they_are():
-    physics = plant(disturbance())
-    start = at_rest(robot_config(), config().evaluation.start, np.random.default_rng(5), COUNT)
-    physics.reset(np.arange(COUNT), *start)
-    model, measured = replace(config().env.physics, substeps=1), physics.read()
+    model, measured = replace(config().env.physics, substeps=1), make_arrays(COUNT)
     gains = ObserverConfig(DELAY, 0.3, 0.2)
     both = [Observer(robot_config(), model, gains, COUNT) for _ in range(2)]
     for observer in both:

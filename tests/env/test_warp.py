@@ -21,6 +21,7 @@ pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 from slider.env.warp import WarpPhysics
 
 N = 6
+EVERYONE = torch.arange(N)
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
 DISTURBED = disturbance(
     "mass={lower: 0.8, upper: 1.2}",
@@ -38,11 +39,8 @@ DISTURBED = disturbance(
 class Numbers(Draws):
     """Those of NumPy, as tensors."""
 
-    def uniform(self, use: int, time: int, columns: int) -> Any:
-        return tensor(super().uniform(use, time, columns))
-
-    def normal(self, use: int, time: int, columns: int) -> Any:
-        return tensor(super().normal(use, time, columns))
+    def _draw(self, *arguments: Any) -> Any:
+        return tensor(super()._draw(*arguments))
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +54,7 @@ def made() -> WarpPhysics:
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
     nominal = RandomizedRobots(made.model, disturbance(), N, made.set_fields, made.qpos)
-    nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
+    nominal.draw(EVERYONE, torch.full((N, COLUMNS), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)
 
@@ -80,20 +78,15 @@ def tensor(values: np.ndarray) -> torch.Tensor:
     return torch.as_tensor(values, dtype=torch.float32)
 
 
-def everyone() -> torch.Tensor:
-    return torch.arange(N)
-
-
 def place(physics: WarpPhysics, qpos: np.ndarray, qvel: np.ndarray) -> None:
-    physics.reset(everyone(), tensor(qpos), tensor(qvel))
+    physics.reset(EVERYONE, tensor(qpos), tensor(qvel))
 
 
-def stance(count: int = N) -> tuple[np.ndarray, np.ndarray]:
+def stance() -> tuple[np.ndarray, np.ndarray]:
     """Robots on both feet that begin to move."""
-    qpos = np.tile(make_physics(1).nominal, (count, 1))
+    qpos, qvel = np.tile(make_physics(1).nominal, (N, 1)), np.zeros((N, 18))
     qpos[:, 2] -= SINK
-    qvel = np.zeros((count, 18))
-    qvel[:, 0] = np.linspace(0.0, 0.01, count)
+    qvel[:, 0] = np.linspace(0.0, 0.01, N)
     return qpos, qvel
 
 

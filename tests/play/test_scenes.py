@@ -29,8 +29,7 @@ def test_a_policy_walks_where_it_was_trained(tmp_path, override):
     policy = write_policy(tmp_path / "policy.pt", override)
     played = scene("--policy", str(tmp_path / "policy.pt"), "--set", "evaluation=robust")
     assert played.robot == policy.robot
-    frame = played.motion.start(np.zeros(3))
-    assert not frame.failed
+    assert not played.motion.start(np.zeros(3)).failed
 
 
 def test_overrides_of_the_environment_are_obeyed(tmp_path):
@@ -49,23 +48,25 @@ def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeyp
     assert environments == [replace(policy.env, termination=TerminationConfig(terms))]
 
 
-def library() -> GaitLibrary:
-    """Two gaits that move straight on: base x = vx t, joint 0 = t within the walk."""
-    velocities = np.array([[0.2, 0.0, 0.0], [0.6, 0.1, 0.0]])
-    step_time = np.array([[0.4, 0.4], [0.3, 0.5]])
-    samples, base = np.zeros((2, SAMPLES, 26)), np.zeros((2, SAMPLES, 13))
-    for gait, (first, second) in enumerate(step_time):
-        half = SAMPLES // 2
-        time = np.concatenate([np.linspace(0, first, half), first + np.linspace(0, second, half)])
-        samples[gait, :, 0] = time
-        base[gait, :, :2] = time[:, None] * velocities[gait, :2]
-        base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
-    arrays = {"velocities": velocities, "samples": samples, "base": base, "step_time": step_time}
-    return GaitLibrary(arrays, {})
+def library(*velocities: tuple[float, float, float]) -> GaitLibrary:
+    """Gaits of constant speed and yaw rate on their arcs: joint 0 is the time within the walk."""
+    half, count = SAMPLES // 2, len(velocities)
+    time = np.concatenate([np.linspace(0.0, 0.3, half), 0.3 + np.linspace(0.0, 0.5, half)])
+    samples, base = np.zeros((count, SAMPLES, 26)), np.zeros((count, SAMPLES, 13))
+    samples[..., 0], base[..., 2] = time, 0.7
+    for row, (vx, vy, rate) in zip(base, velocities, strict=True):
+        angle = rate * time / 2
+        place = (vx + 1j * vy) * time * np.exp(1j * angle) * np.sinc(angle / np.pi)
+        row[:, 0], row[:, 1] = place.real, place.imag
+        row[:, 3], row[:, 6] = np.cos(angle), np.sin(angle)
+    arrays = {"samples": samples, "base": base, "step_time": np.tile([0.3, 0.5], (count, 1))}
+    return GaitLibrary({**arrays, "velocities": np.array(velocities)}, {})
 
 
 def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():
-    motion = Replay(library(), (0.7, 0.05, 0.0), period=0.02)
+    gaits = library((0.2, 0.0, 0.0), (0.6, 0.1, 0.0))
+    gaits.arrays["step_time"][0] = 0.4
+    motion = Replay(gaits, (0.7, 0.05, 0.0), period=0.02)
     frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(100)]
     np.testing.assert_allclose(motion.velocity, [0.6, 0.1, 0.0])
     last = frames[-1]
@@ -75,20 +76,9 @@ def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():
 
 
 def test_a_turning_gait_goes_along_its_arc():
-    """A constant speed and yaw rate: the base is on a circle, its heading tangential to it."""
-    straight, (speed, rate) = library(), (0.6, 0.3)
-    time = np.concatenate(
-        [np.linspace(0.0, 0.3, SAMPLES // 2), np.linspace(0.3, 0.8, SAMPLES // 2)]
-    )
-    base = straight.base[1:].copy()
-    base[0, :, 0] = speed / rate * np.sin(rate * time)
-    base[0, :, 1] = speed / rate * (1 - np.cos(rate * time))
-    base[0, :, 3], base[0, :, 6] = np.cos(rate * time / 2), np.sin(rate * time / 2)
-    arrays = {name: straight.arrays[name][1:] for name in ("samples", "step_time")}
-    turning = GaitLibrary(
-        {**arrays, "base": base, "velocities": np.array([[speed, 0.0, rate]])}, {}
-    )
-    motion = Replay(turning, (0.5, 0.0, 0.2), period=0.02)
+    """The base is on a circle, its heading tangential to it."""
+    speed, rate = 0.6, 0.3
+    motion = Replay(library((speed, 0.0, rate)), (0.5, 0.0, 0.2), period=0.02)
     frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(300)]
     angle = rate * np.array([frame.time for frame in frames])
     place = np.array([frame.qpos for frame in frames])

@@ -43,19 +43,14 @@ def controlled(count: int, enforced: EnforcedGaits | None = None):
     return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
 
 
-def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
-    recording, controller = walk("hzd", (5.0, (0.2, 0.0, 0.0)), noise=True, gaits=gaits())
+@pytest.mark.parametrize(("seconds", "kind"), [(5.0, "flat"), (9.0, "slope_up")])
+def test_walks_from_the_protocols_starts_at_the_commanded_velocity(seconds, kind):
+    """Up a slope that it receives the integral action takes 8 s, on level ground 3 s."""
+    text = f"terrain={{kinds: [{kind}], level: {{lower: 4.8, upper: 4.8}}}}"
+    ground, segment = Disturbance(disturbance(text), (1,)), (seconds, (0.2, 0.0, 0.0))
+    recording, controller = walk("hzd", segment, noise=True, drawn=ground, gaits=gaits())
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()
-    np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
-
-
-def test_walks_up_a_slope_that_it_receives():
-    """The integral action takes 8 s to the commanded velocity, on level ground 3 s."""
-    text = "terrain={kinds: [slope_up], level: {lower: 4.8, upper: 4.8}}"
-    slope = Disturbance(disturbance(text), (1,))
-    recording, _ = walk("hzd", (9.0, (0.2, 0.0, 0.0)), drawn=slope, gaits=gaits())
-    assert recording.survived.all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
 
 

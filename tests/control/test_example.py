@@ -21,26 +21,14 @@ from slider.robot.mjcf import nominal_qpos
 from tests.control import policies
 from tests.control.policies import write_policy
 from tests.env.synthetic import config, turning_library
+from tests.env.test_observations import PAPER
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "run_policy.py"
 VELOCITY = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
 COMPUTED = {  # by the program; a robot's own terms are left out of the policies here
-    "base_linear_velocity",
-    "target_linear_velocity",
-    "base_angular_velocity",
-    "target_angular_velocity",
-    "projected_gravity",
-    "command",
-    "joint_positions",
-    "joint_velocities",
-    "previous_action",
-    "action_before_previous",
-    "base_height",
-    "filtered_velocity",
-    "reference_velocity",
-    "velocity_error",
-    "phase",
-    "height_scan",
+    *PAPER,
+    *("action_before_previous", "base_height", "filtered_velocity", "reference_velocity"),
+    *("velocity_error", "phase"),
 }
 ONBOARD = config("experiment=test").env.onboard
 STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards

@@ -117,23 +117,27 @@ def test_an_observation_that_never_varied_is_not_scaled():
     torch.testing.assert_close(network.std, expected + NORMALISER_EPSILON)
 
 
-def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
-    agent = make_agent(2, "env.reference.acceleration=2.0")  # 0.04 m/s in a period
-    seen_phases = []
+def watched(agent, value) -> tuple[PolicyController, list[torch.Tensor]]:
+    """A controller that does nothing, and a list of what ``value()`` is when it observes."""
+    seen = []
 
     def network(observations: torch.Tensor) -> torch.Tensor:
-        assert agent.clock is not None
-        seen_phases.append(agent.clock.phase.clone())
+        seen.append(value().clone())
         return torch.zeros(len(observations), 12)
 
-    controller = PolicyController(network, agent)
+    return PolicyController(network, agent), seen
+
+
+def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
+    agent = make_agent(2, "env.reference.acceleration=2.0")  # 0.04 m/s in a period
+    controller, seen = watched(agent, lambda: agent.clock.phase)
     state = make_state(2, yaw=[0.4, -0.4])
     for _ in range(2):  # a second rollout starts anew
         controller.reset(state, np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]]))
         np.testing.assert_allclose(agent.command[:, 3], 0.0, atol=1e-12)
         for _ in range(4):
             controller.control(state)
-    phases = np.array(seen_phases)
+    phases = np.array(seen)
     # The first period is of standing, then the reference velocity goes to the command.
     reference = np.minimum(0.4, 0.04 * np.arange(3))[:, None] * [0.0, 1.0]
     steps = 0.02 / (2 * (0.4 - 0.1 * reference))
@@ -144,14 +148,8 @@ def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
 
 def test_a_new_command_counts_from_the_next_observation_on():
     """As in training: the period that is over turned the heading by the old yaw rate."""
-    seen = []
-
-    def network(observations: torch.Tensor) -> torch.Tensor:
-        seen.append(agent.command.clone())
-        return torch.zeros(1, 12)
-
-    agent = make_agent(1)
-    controller, state = PolicyController(network, agent), make_state(1)
+    agent, state = make_agent(1), make_state(1)
+    controller, seen = watched(agent, lambda: agent.command)
     controller.reset(state, np.array([[0.4, 0.0, 0.5]]))
     controller.control(state)
     controller.set_velocity(np.array([[0.2, 0.1, 0.0]]))

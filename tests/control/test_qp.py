@@ -14,14 +14,10 @@ def conditions(hessian, gradient, rows, lower, upper, x) -> None:
     bounds = len(lower) - len(rows)
     normals = np.vstack([np.eye(len(x))[:bounds], rows])
     values = normals @ x
-    assert (values > lower - 1e-5).all()
-    assert (values < upper + 1e-5).all()
+    assert ((values > lower - 1e-5) & (values < upper + 1e-5)).all()
     at_upper, at_lower = values > upper - 1e-5, values < lower + 1e-5
     active = np.vstack([normals[at_upper], -normals[at_lower]])
     slope = -(hessian @ x + gradient)
-    if len(active) == 0:
-        np.testing.assert_allclose(slope, 0, atol=1e-5)
-        return
     multipliers = np.linalg.lstsq(active.T, slope, rcond=None)[0]
     np.testing.assert_allclose(active.T @ multipliers, slope, atol=1e-4)
     assert (multipliers > -1e-4).all()

@@ -49,14 +49,21 @@ def test_efforts_and_wrench(side):
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_energies(side):
+def test_energies_and_the_equation_of_motion(side):
     rng, rooted = np.random.default_rng(1), RootedRobot(lopsided())
     place = ca.Function("place", [rooted.q, rooted.v], [rooted.center_of_mass[0]])
     model, data = plant().model, plant().data
     for _ in range(5):
-        q, v = 0.3 * rng.standard_normal(NUM), rng.standard_normal(NUM)
-        mass = rooted.dynamics(q, v)[0].full()
-        state = standing(side, np.array([q[0], v[0], 0.0]), q[1:], v[1:], np.zeros(10))
+        q, v, a = rng.standard_normal((3, NUM)) * [[0.3], [1.0], [5.0]]
+        mass, bias = (value.full() for value in rooted.dynamics(q, v))
+        state = standing(side, np.array([q[0], v[0], a[0]]), q[1:], v[1:], a[1:])
+        needed, jacobian = plant().inverse(state, side)
+        wrench = np.linalg.solve(jacobian[:, :6].T, needed[:6])
+        efforts = np.delete(needed - jacobian.T @ wrench, [11, 17])[6:]
+        moment = wrench[3]
+        if side == "right":
+            moment, efforts = -moment, reflected(efforts)
+        np.testing.assert_allclose(mass @ a + bias[:, 0], [moment, *efforts], atol=1e-8)
         data.qpos[:], data.qvel[:] = state.qpos, state.qvel
         mujoco.mj_forward(model, data)
         mujoco.mj_energyVel(model, data)

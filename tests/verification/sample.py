@@ -1,11 +1,9 @@
 """A small library of real gaits, solved once per test session, and ways to spoil it."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from pipeline.stages.gaits import verification_jobs
 from slider.artefacts.plan import JobSpec
@@ -77,8 +75,8 @@ def jobs() -> tuple[list[JobSpec], JobSpec]:
     return list(collect.inputs["gaits"]), collect
 
 
-def spoiled(gait: StoredGait, name: str, change: Callable[[np.ndarray], None]) -> StoredGait:
-    """A gait with one of its arrays changed."""
+def spoiled(gait: StoredGait, name: str, index: Any, amount: Any) -> StoredGait:
+    """A gait with something added to one of its arrays."""
     array = getattr(gait, name).copy()
-    change(array)
+    array[index] += amount
     return replace(gait, **{name: array})

@@ -57,15 +57,12 @@ def test_legs_are_as_far_apart_as_their_feet_at_most():
 
 
 def test_legs_that_cross_show():
-    gait = gaits()[1]
-
-    def crossed(coefficients):
-        coefficients[:, [1, 6]] += [[[-0.2], [0.2]]]  # hip rolls inwards
-
-    assert legs_apart(spoiled(gait, "coefficients", crossed), plant(), 21)["dense_leg_distance"] < 0
+    """Hip rolls inwards."""
+    gait = spoiled(gaits()[1], "coefficients", np.s_[:, [1, 6]], [[[-0.2], [0.2]]])
+    assert legs_apart(gait, plant(), 21)["dense_leg_distance"] < 0
 
 
 def test_a_gait_that_is_not_a_number_passes_no_bound():
-    gait = spoiled(gaits()[1], "coefficients", lambda values: values.fill(np.nan))
+    gait = spoiled(gaits()[1], "coefficients", ..., np.nan)
     checks = between_nodes(gait, pinocchio(), config().robot, config().gait.posture, 3)
     assert np.isnan(list(checks.values())).all()

@@ -1,14 +1,15 @@
-"""MuJoCo's inverse dynamics, impacts and distances."""
+"""MuJoCo's inverse dynamics and impacts."""
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from slider.robot import names
 from slider.robot.transmission import Transmission
-from slider.verification.dynamics import stored_state, touchdowns
-from slider.verification.plant import inverse_dynamics, plant_state
-from tests.verification.sample import config, gaits, knee_gait, pinocchio, plant
+from slider.verification.dynamics import stored_state
+from slider.verification.plant import plant_state
+from tests.verification.sample import config, gaits, pinocchio, plant
 
 
 def random_states(count: int):
@@ -31,11 +32,24 @@ def test_pinocchio_and_mujoco_agree_on_random_motions_and_impacts():
         rest = forces - jacobian.T @ wrench
         np.testing.assert_allclose(rest[:6], 0.0, atol=1e-8)
         np.testing.assert_allclose(rest[6:][driven], efforts, atol=1e-8)
-        after = pinocchio().impact(state.q, state.v, side)
-        other = plant().impact(plant_state(state), side)
+        landing = names.SIDES[1 - names.SIDES.index(side)]
+        after = pinocchio().impact(state.q, state.v, landing)
+        other = plant().impact(plant_state(state), landing)
         np.testing.assert_allclose(other[6:], after[6:], atol=1e-9)
-        held = pinocchio().jacobian(state.q, side) @ after
+        held = pinocchio().jacobian(state.q, landing) @ after
         np.testing.assert_allclose(held[[0, 1, 2, 4, 5]], 0.0, atol=1e-9)
+        lost, kept = (moment_about_the_line(state.q, v, landing) for v in (state.v, after))
+        assert kept == pytest.approx(lost, abs=1e-9)
+        assert abs(lost) > 0.1
+
+
+def moment_about_the_line(q: np.ndarray, v: np.ndarray, side: str) -> float:
+    """Angular momentum about the sole along x: the line of a standing foot [N m s]."""
+    robot = pinocchio()
+    momentum = pin.computeCentroidalMomentum(robot.model, robot.data, q, v)
+    sole = robot.foot_ends(q, side).mean(axis=0)
+    arm = robot.data.com[0] - sole
+    return float((momentum.angular + np.cross(arm, momentum.linear))[0])
 
 
 @pytest.mark.parametrize("sample", [0, 10, 25, 41])
@@ -54,23 +68,3 @@ def test_efforts_through_the_transmission_are_what_mujocos_motors_need(sample):
     made = moment.T @ motors + jacobian.T @ gait.ground_wrench[sample]
     held = np.delete(np.arange(model.nv), [11, 17])  # the upper feet are passive
     np.testing.assert_allclose(made[held], forces[held], atol=1e-6)
-
-
-def test_the_plant_confirms_a_gait_with_its_own_dynamics_and_not_the_knees():
-    own, other = (inverse_dynamics(gait, plant()) for gait in (gaits()[1], knee_gait()))
-    assert max(own["plant_force"], own["plant_moment"], own["plant_efforts"]) < 1e-9
-    assert other["plant_force"] > 10.0
-    assert other["plant_efforts"] > 10.0
-    assert 0.2 < own["plant_cop"] < 0.5
-
-
-def test_stored_states_are_what_mujoco_has():
-    gait = gaits()[1]
-    (before, after, side), _ = touchdowns(gait, pinocchio())
-    half = gait.half
-    assert side == "right"
-    start = plant_state(before)
-    np.testing.assert_allclose(start.qpos[:7], gait.base[half - 1, :7], atol=1e-12)
-    np.testing.assert_allclose(start.qpos[7:], gait.samples[half - 1, :12], atol=1e-9)
-    np.testing.assert_allclose(start.qvel[:6], gait.base[half - 1, 7:], atol=1e-12)
-    np.testing.assert_allclose(plant_state(after).qvel[6:], gait.samples[half, 12:24], atol=1e-9)

@@ -1,5 +1,6 @@
 """Turns about the vertical by hand; feet and legs against MuJoCo."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from slider.config.compose import compose
+from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
     about_z,
@@ -51,16 +53,22 @@ def test_the_yaw_is_that_of_the_nose_whatever_the_tilt():
     assert (nose[:, 0] > 0).all()
 
 
-@ROBOTS
-def test_points_of_the_legs_are_where_mujoco_has_them(robot):
+def moving(robot: RobotConfig, seed: int) -> Iterator[tuple[mujoco.MjData, np.ndarray, np.ndarray]]:
+    """MuJoCo's robot in 20 random poses and motions, its rotation and its joints (1, 12)."""
     model = build_model(robot, SimulationOptions())
-    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(4), robot.geometry
+    data, rng = mujoco.MjData(model), np.random.default_rng(seed)
     for _ in range(20):
         tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
         data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
-        data.qpos[7:] = joints[0]
-        mujoco.mj_kinematics(model, data)
-        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
+        data.qpos[7:], data.qvel[3:] = joints[0], rng.standard_normal(15)
+        mujoco.mj_forward(model, data)
+        yield data, rotation_from_quaternion(data.qpos[None, 3:7]), joints
+
+
+@ROBOTS
+def test_points_of_the_legs_are_where_mujoco_has_them(robot):
+    geometry = robot.geometry
+    for data, rotation, joints in moving(robot, 4):
         np.testing.assert_allclose(rotation[0].ravel(), data.body("base").xmat, atol=1e-12)
         ends = foot_ends(geometry, rotation, joints)[0] + data.qpos[:3]
         points = leg_points(geometry, rotation, joints)[0] + data.qpos[:3]
@@ -70,30 +78,22 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
             expected = {tuple(np.round(line.xpos + s * axis - [0, 0, 0.006], 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
             bodies = [data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot")]
-            for point, body in zip(points[leg], bodies, strict=False):
-                np.testing.assert_allclose(point, body.xpos, atol=1e-12)
             upper = np.array([[-geometry.heel, 0, 0.045], [geometry.toe, 0, 0.045]])
             upper = bodies[2].xpos + upper @ bodies[2].xmat.reshape(3, 3).T
-            np.testing.assert_allclose(points[leg, 3:], upper, atol=1e-12)
+            places = [*(body.xpos for body in bodies), *upper]
+            np.testing.assert_allclose(points[leg], places, atol=1e-12)
 
 
 @ROBOTS
 def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
-    model = build_model(robot, SimulationOptions())
-    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(6), robot.geometry
     velocity = np.zeros(6)
-    for _ in range(20):
-        tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
-        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
-        data.qpos[7:], data.qvel[3:] = joints[0], rng.standard_normal(15)
-        mujoco.mj_forward(model, data)
-        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
+    for data, rotation, joints in moving(robot, 6):
         turning, rates = rotation @ data.qvel[3:6], data.qvel[None, 6:]
-        motion = foot_motion(geometry, rotation, turning, joints, rates)
+        motion = foot_motion(robot.geometry, rotation, turning, joints, rates)
         for leg, side in enumerate(names.SIDES):
             body = data.body(names.foot(side)).id
             kind = mujoco.mjtObj.mjOBJ_XBODY
-            mujoco.mj_objectVelocity(model, data, kind, body, velocity, 0)
+            mujoco.mj_objectVelocity(data.model, data, kind, body, velocity, 0)
             arms = motion.positions[0, leg] + data.qpos[:3] - data.xpos[body]
             expected = velocity[3:] + np.cross(velocity[:3], arms)
             np.testing.assert_allclose(motion.velocities[0, leg], expected, atol=1e-12)

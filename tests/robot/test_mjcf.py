@@ -82,13 +82,11 @@ POSES = {
     ("foot", "foot"): (INWARD, INWARD),
     ("tube", "tube"): ({"hip_roll": -0.16}, {"hip_roll": -0.16}),
     ("foot", "tube"): (FOOT_AT_TUBE, {"hip_roll": -0.05}),
-    ("tube", "foot"): ({"hip_roll": -0.05}, FOOT_AT_TUBE),
     ("upper_foot", "upper_foot"): (OUTWARD, OUTWARD),
     ("upper_foot", "tube"): (UPPER_AT_TUBE, TUBE_AT_UPPER),
-    ("tube", "upper_foot"): (TUBE_AT_UPPER, UPPER_AT_TUBE),
     ("tube", "base"): ({"hip_roll": 0.45}, {}),
-    ("base", "tube"): ({}, {"hip_roll": 0.45}),
 }
+POSES |= {parts[::-1]: legs[::-1] for parts, legs in POSES.items()}
 
 
 def posed(model, left: dict[str, float], right: dict[str, float]) -> mujoco.MjData:

@@ -95,18 +95,6 @@ def test_the_simulated_motors_have_these_limits_at_every_speed(actuation: Actuat
             np.testing.assert_allclose(data.actuator_force, expected, rtol=1e-9, atol=1e-9)
 
 
-def test_the_two_limits_couple_in_the_plant():
-    """Full force on the slide: what the ankle is asked for in addition, it takes from the slide."""
-    model = build_model(ROBOT, SimulationOptions(actuation="torque"))
-    data = in_the_air(model)
-    data.ctrl[:] = MOTORS.torques(joints(640.0, 20.0))  # 11.5 and 4.5 N m
-    mujoco.mj_forward(model, data)
-    np.testing.assert_allclose(data.actuator_force, motors(8.0, 4.5), atol=1e-9)
-    np.testing.assert_allclose(
-        data.qfrc_actuator[6:], joints(12.5 / RADIUS, 3.5 / RATIO), atol=1e-9
-    )
-
-
 def in_the_air(model: mujoco.MjModel) -> mujoco.MjData:
     data = mujoco.MjData(model)
     data.qpos[:] = nominal_qpos(ROBOT)

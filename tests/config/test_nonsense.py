@@ -3,21 +3,19 @@
 import math
 from collections.abc import Iterator
 from fnmatch import fnmatch
-from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-from slider.config.compose import compose
 from slider.config.convert import from_dict, to_dict
 from slider.config.reference import OPTIONAL
 from slider.config.schema import Config
 from slider.config.validation import validate
 from slider.core.errors import UserError
 from slider.env.terms import checked
+from tests.config.composed import composed
 
-CONF = Path(__file__).parents[2] / "conf"
 Place = tuple[str | int, ...]
 
 NUMBERS = (-1, 0, math.nan, math.inf, -math.inf, 1e30, 10**30, "nonsense", True, [], None)
@@ -103,6 +101,20 @@ MISFITS = [
     ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
     ("protocols.heldout.profile.rows=segments", "expected one case where rows are its"),
     ("robot.geometry.axes.hip_yaw=[0.0]", "axes.hip_yaw[1]: expected a value, found none"),
+    ("gait.step_time={lower: .2, upper: .3, law: fixed, value: .4, slope: 0}", "≤ value ≤ upper"),
+    ("gauge.axes=[mud]", "gauge.axes: expected one of slope_up, "),
+    ("gauge.controllers=[mine]", "gauge.controllers: expected one of policy, "),
+    ("gauge.policies={hzd: here}", "gauge.policies: expected a name that no controller has"),
+    ("gauge.seed=5", "gauge.seed: expected seeds within"),
+    ("gauge.scales.payload=[1,2,3,4,5,6,7,8,9,9.0]", "scales.payload: expected rising values, fou"),
+    ("gauge.scales.delay=[.01,.02,.03,.04,.05,.06,.07,.08,.09,.099]", "[9]: expected a multiple"),
+    ("seeds.final.last=1500", "seeds.final: expected first ≤ last, found"),
+    ("seeds.final={first: 1500, last: 2500}", "expected no seed of seeds.development (1000 "),
+    ("evaluation.seed=1995", "within 20260 to 21259 or 1000 to 1999, found 1995 to"),
+    ("study.ablation.evaluation.seed=20260", "evaluation.seed: expected seeds within 1000 to 1999"),
+    ("finetuning.selection.seed=3", "finetuning.selection.seed: expected seeds"),
+    ("train.walking.seed=20262", "train.walking.seed: expected none of seeds.final (20260 "),
+    ("study.ablation.training.seeds=[1,21259]", "seeds[1]: expected none of seeds.final"),
     ("gait.posture.knee_max=0.01", 'found {"knee_min": 0.1, "knee_max": 0.01}'),
 ]
 PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
@@ -110,7 +122,7 @@ PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
 
 @pytest.fixture(scope="module")
 def config() -> Config:
-    return compose(OPTIONAL, CONF)
+    return composed(*OPTIONAL)
 
 
 @pytest.fixture(scope="module")

@@ -1,19 +1,15 @@
 """The robot's parameters are found whatever they are called; changing one leaves the others."""
 
-from pathlib import Path
-
 import pytest
 
-from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.robot import RobotConfig, choose, parameters, scaled, tag
-
-CONF = Path(__file__).parents[2] / "conf"
+from tests.config.composed import composed
 
 
 @pytest.fixture(scope="module")
 def robot() -> RobotConfig:
-    return compose([], CONF).robot
+    return composed().robot
 
 
 def numbers(node: object) -> int:
@@ -59,8 +55,5 @@ def test_one_parameter_changes_and_nothing_else(robot, factor):
         assert after.pop(path) == pytest.approx([factor * v for v in before[path]], rel=1e-9)
         assert after == {name: value for name, value in before.items() if name != path}
         assert changed.provenance == robot.provenance
-
-
-def test_a_vector_varies_as_a_whole_and_digits_stay_short(robot):
-    changed = scaled(robot, "links.base.inertia", 1.2)
-    assert changed.links.base.inertia == (0.036, 0.0216, 0.0336)
+    digits = scaled(robot, "links.base.inertia", 1.2).links.base.inertia
+    assert digits == (0.036, 0.0216, 0.0336)

@@ -1,7 +1,5 @@
 """What is reported and what is chosen by draw from different seeds."""
 
-from pathlib import Path
-
 import pytest
 
 from pipeline.stages import entries, table1_jobs
@@ -9,10 +7,8 @@ from pipeline.stages.evaluation import protocol_jobs
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
-from slider.config.compose import compose
-from slider.core.errors import UserError
+from tests.config.composed import CONF, composed
 
-CONF = Path(__file__).parents[2] / "conf"
 FINETUNED = "finetuning=robust"
 
 
@@ -45,7 +41,7 @@ def checked(report: JobSpec) -> set[int]:
 
 
 def study(name: str, *overrides: str) -> JobSpec:
-    config = compose(overrides, CONF)
+    config = composed(*overrides)
     return study_job(name, config, table1_jobs(config), overrides, CONF)
 
 
@@ -53,7 +49,7 @@ def study(name: str, *overrides: str) -> JobSpec:
 def test_no_reported_seed_is_chosen_by(experiment):
     """Of the others the validation knows the blocks, as below."""
     given = [f"experiment={experiment}"]
-    config = compose(given, CONF)
+    config = composed(*given)
     jobs = table1_jobs(config)
     protocols = protocol_jobs(config, jobs)
     seeds = study("seeds", *given)
@@ -61,7 +57,7 @@ def test_no_reported_seed_is_chosen_by(experiment):
 
     given += [FINETUNED, "evaluation=development"]
     compared = study("ablation", *given, "study.ablation.run=[default,without_pretraining]")
-    tuned = table1_jobs(compose(given, CONF))["table1"]
+    tuned = table1_jobs(composed(*given))["table1"]
     chosen = drawn([compared, tuned]) | checked(tuned) | checked(compared)
 
     assert len(final) >= 2
@@ -70,38 +66,10 @@ def test_no_reported_seed_is_chosen_by(experiment):
     assert final <= set(range(config.seeds.final.first, config.seeds.final.last + 1))
 
 
-@pytest.mark.parametrize(
-    ("overrides", "message"),
-    [
-        (["seeds.final.last=1500"], "seeds.final: expected first ≤ last, found"),
-        (["seeds.final={first: 1500, last: 2500}"], "expected no seed of seeds.development (1000 "),
-        (
-            ["evaluation.seed=1995"],
-            "evaluation.seed: expected seeds within 20260 to 21259 or 1000 to 1999, found 1995 to",
-        ),
-        (
-            ["+study.seeds.variants.x={label: x, overrides: []}", "study.seeds.run=[default,x]"],
-            "study.seeds.evaluation.seed: expected seeds within 1000 to 1999",
-        ),
-        ([FINETUNED, "finetuning.selection.seed=3"], "finetuning.selection.seed: expected seeds"),
-        (["train.walking.seed=20262"], "train.walking.seed: expected none of seeds.final (20260 "),
-        (
-            ["study.ablation.training.seeds=[1,21259]"],
-            "study.ablation.training.seeds[1]: expected none of seeds.final",
-        ),
-    ],
-)
-def test_seeds_of_another_block_are_one_line(overrides, message):
-    with pytest.raises(UserError) as error:
-        compose(overrides, CONF)
-    assert message in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 def test_one_value_moves_a_block():
-    moved = compose(["seeds.final={first: 50000, last: 50099}"], CONF)
+    moved = composed("seeds.final={first: 50000, last: 50099}")
     assert {moved.evaluation.seed, *(p.seed for p in moved.protocols.values())} == {50000}
-    config = compose(["seeds.final.first=20300"], CONF)
+    config = composed("seeds.final.first=20300")
     for name in ("seeds", "sensitivity"):
         rollouts = config.study[name].evaluation
         assert rollouts is not None

@@ -1,78 +1,22 @@
-"""The rooted robot against MuJoCo and the touchdowns of gaits; functions of many rows at once."""
+"""The rooted robot on many rows at once; its M and h are compared in ``tests/numerics``."""
 
 import casadi as ca
-import mujoco
 import numpy as np
 
 from slider.gait.outputs import ANKLE, stance_first
 from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
-from slider.robot.mjcf import SimulationOptions, build_model
 from tests.gait.gaits import config
 from tests.hzd.sample import dynamics, library, loop
 
 MODEL = RootedModel(config().robot)
-DRIVEN = list(names.ACTUATED)
+DRIVEN = np.array(names.ACTUATED)
 NUM = 11
 
 
 def state(seed: int) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     return 0.2 * rng.standard_normal(NUM), rng.standard_normal(NUM)
-
-
-class HeldFoot:
-    """MuJoCo's floating robot, its left foot's line flat and held; the left foot is the first."""
-
-    def __init__(self) -> None:
-        self.model = build_model(config().robot, SimulationOptions())
-        off = mujoco.mjtDisableBit
-        self.model.opt.disableflags |= int(off.mjDSBL_CONTACT) | int(off.mjDSBL_LIMIT)
-        self.data = mujoco.MjData(self.model)
-        rooted = MODEL.symbols
-        base = rooted.poses(rooted.q)["base"]
-        self.base = ca.Function("base", [rooted.q, rooted.v], [base.origin, base.rotation])
-
-    def tangent(self, q: np.ndarray) -> np.ndarray:
-        """Velocities of the floating robot by those of the rooted one (18, 11)."""
-        origin, rotation = (part.full() for part in self.base(q, np.zeros(NUM)))
-        quaternion = np.zeros(4)
-        mujoco.mju_mat2Quat(quaternion, rotation.ravel())
-        joints = np.zeros(names.NUM_JOINTS)
-        joints[DRIVEN] = q[1:]
-        self.data.qpos[:] = np.concatenate([origin[:, 0], quaternion, joints])
-        mujoco.mj_forward(self.model, self.data)
-        foot = np.zeros((6, self.model.nv))
-        site = self.data.site(names.sole("left"))
-        mujoco.mj_jacSite(self.model, self.data, foot[:3], foot[3:], site.id)
-        np.testing.assert_allclose(site.xpos, 0.0, atol=1e-9)
-        tangent = np.zeros((self.model.nv, NUM))
-        tangent[6 + np.array(DRIVEN), 1 + np.arange(10)] = 1.0
-        rolling = np.zeros((6, NUM))
-        rolling[3, 0] = 1.0
-        tangent[:6] = np.linalg.solve(foot[:, :6], rolling - foot @ tangent)
-        return tangent
-
-    def dynamics(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """M (11, 11) and h (11,)."""
-        size = 1e-6
-        turning = (self.tangent(q + size * v) - self.tangent(q - size * v)) @ v / (2 * size)
-        tangent, mass = self.tangent(q), np.zeros((self.model.nv, self.model.nv))
-        self.data.qvel[:] = tangent @ v
-        self.data.qacc[:] = turning
-        mujoco.mj_fullM(self.model, self.data, mass)
-        mujoco.mj_inverse(self.model, self.data)
-        return tangent.T @ mass @ tangent, tangent.T @ self.data.qfrc_inverse
-
-
-def test_mass_and_bias_are_mujocos_of_a_held_foot():
-    held = HeldFoot()
-    for seed in range(5):
-        q, v = state(seed)
-        mass, bias = dynamics(MODEL, q, v)
-        expected = held.dynamics(q, v)
-        np.testing.assert_allclose(mass, expected[0], atol=1e-9)
-        np.testing.assert_allclose(bias, expected[1], atol=1e-5)
 
 
 def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
@@ -91,18 +35,11 @@ def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
 
 
 def test_the_impact_is_that_of_the_gaits():
-    for gait in range(len(library())):
-        samples, roll = library().samples[gait], library().arrays["roll"][gait]
+    for samples, roll in zip(library().samples, library().arrays["roll"], strict=True):
         right = np.arange(42) >= 21
         q, v = (
-            np.concatenate(
-                [
-                    roll[:, :, order].reshape(-1, 1),
-                    stance_first(samples[:, 12 * order : 12 * order + 12][:, DRIVEN], right),
-                ],
-                axis=1,
-            )
-            for order in range(2)
+            np.c_[roll[..., k].ravel(), stance_first(samples[:, 12 * k + DRIVEN], right)]
+            for k in range(2)
         )
         landed = loop().model.impact_map(q[[20, 41]], v[[20, 41]])
         np.testing.assert_allclose(landed.q, q[[21, 0]], atol=1e-8)

@@ -76,6 +76,8 @@ def test_records_hold_every_quantity(maps):
 
 
 def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
+    with pytest.raises(UserError, match=r"expected velocities.npy of the foot placement"):
+        FootPlacement.load(tmp_path)
     collect_placement({}, {"library": [folder()], "gaits": [chunk]}, tmp_path, Job(tmp_path))
     found = FootPlacement.load(tmp_path)
     np.testing.assert_array_equal(found.velocities, library().velocities)

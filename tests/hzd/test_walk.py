@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from slider.hzd.walk import (
-    chain,
-    differences,
-    limit_cycles,
-    multipliers,
-    restrict,
-)
+from slider.hzd.walk import chain, differences, limit_cycles, multipliers, restrict
 
 GRAVITY_OVER_LENGTH = 9.81
 SPOKES, SLOPE = np.pi / 8, 0.08  # half the angle between spokes, inclination [rad]

@@ -54,13 +54,8 @@ def test_the_expressions_of_gaits_and_the_map_of_samples_are_equal(leg_map):
     q, v, a = (np.array(column) for column in zip(*walk, strict=True))
     lengths = KneeLengths(L1, L2, NOMINAL)
     sampled = prismatic_motion(q, v, a, lengths)
-    for k, row in enumerate(walk):
-        orders = (
-            leg_map.positions(row[0]),
-            leg_map.velocities(*row[:2]),
-            leg_map.accelerations(*row),
-        )
-        for order, expected in enumerate(map(number, orders)):
-            np.testing.assert_allclose(sampled[order][k], expected, atol=1e-12)
-        rates = slide_jacobian(row[0], lengths) @ row[1]
-        np.testing.assert_allclose(rates, number(orders[1]), atol=1e-12)
+    for (q, v, a), *found in zip(walk, *sampled, strict=True):
+        place, rates = number(leg_map.positions(q)), number(leg_map.velocities(q, v))
+        expected = place, rates, number(leg_map.accelerations(q, v, a))
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+        np.testing.assert_allclose(slide_jacobian(q, lengths) @ v, rates, atol=1e-12)

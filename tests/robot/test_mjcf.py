@@ -20,13 +20,6 @@ def model():
     return build_model(ROBOT, SimulationOptions())
 
 
-@pytest.fixture
-def data(model):
-    data = mujoco.MjData(model)
-    data.qpos[:] = nominal_qpos(ROBOT)
-    return data
-
-
 def test_joints_actuators_and_mass(model):
     assert tuple(model.joint(i).name for i in range(1, model.njnt)) == names.JOINTS
     assert tuple(model.actuator(i).name for i in range(model.nu)) == names.MOTORS
@@ -37,17 +30,9 @@ def test_joints_actuators_and_mass(model):
     assert model.na == 0
 
 
-def test_slide_grows_with_the_leg_and_pitch_turns_about_y(model, data):
-    data.qpos[7 + names.JOINTS.index("left_slide")] = 0.05
-    data.qpos[7 + names.JOINTS.index("right_hip_pitch")] = 0.3
-    mujoco.mj_kinematics(model, data)
-    hip = data.body("left_hip_pitch").xpos
-    assert hip[2] - data.body("left_foot").xpos[2] == pytest.approx(0.64 + 0.05)
-    offset = data.body("right_foot").xpos - data.body("right_hip_pitch").xpos
-    np.testing.assert_allclose(offset, [-0.64 * np.sin(0.3), 0, -0.64 * np.cos(0.3)], atol=1e-12)
-
-
-def test_stands_on_two_lines(model, data):
+def test_stands_on_two_lines(model):
+    data = mujoco.MjData(model)
+    data.qpos[:] = nominal_qpos(ROBOT)
     for _ in range(400):
         data.ctrl[:] = 0.0
         mujoco.mj_step(model, data)

@@ -13,7 +13,7 @@ from slider.config.compose import compose
 from slider.config.robot import Drive
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
-from slider.robot.transmission import Transmission, leg_inertia, leg_matrix
+from slider.robot.transmission import Transmission
 
 SLIDER = compose([], Path(__file__).parents[2] / "conf").robot
 CAPSTAN = Drive(torque=8.0, speed=120.0, stall_ratio=2.0, inertia=6.25e-4)  # for round numbers
@@ -21,7 +21,6 @@ ROBOT = replace(SLIDER, drives={**SLIDER.drives, "capstan": CAPSTAN})
 MOTORS = Transmission.of(ROBOT)
 RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors
-ROTOR = 6.25e-4
 SLIDE, ANKLE = names.JOINTS.index("right_slide"), names.JOINTS.index("right_ankle")
 ONE, TWO = names.MOTORS.index("right_leg_1"), names.MOTORS.index("right_leg_2")
 PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.ACTUATED]
@@ -102,14 +101,6 @@ def in_the_air(model: mujoco.MjModel) -> mujoco.MjData:
     return data
 
 
-def full_mass(model: mujoco.MjModel, qpos: np.ndarray) -> np.ndarray:
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    data.qpos[:] = qpos
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
-    return mass
-
-
 def random_pose(rng: np.random.Generator) -> np.ndarray:
     qpos = nominal_qpos(ROBOT)
     qpos[2] += 1.0
@@ -117,28 +108,6 @@ def random_pose(rng: np.random.Generator) -> np.ndarray:
     qpos[3:7] /= np.linalg.norm(qpos[3:7])
     qpos[7:] = 0.3 * rng.uniform(-1.0, 1.0, names.NUM_JOINTS)
     return qpos
-
-
-def test_the_inertia_of_the_joints_is_the_rotors_through_the_transmission():
-    """2 J/r² = 2 kg on the slide and 2 J/n² on the ankle; the plant has it by its tendons."""
-    slide, ankle = 2 * ROTOR / RADIUS**2, 2 * ROTOR / RATIO**2
-    assert slide == pytest.approx(2.0)
-    leg = leg_inertia(ROBOT)
-    np.testing.assert_allclose(leg, np.diag([0.02, 0.02, 0.02, slide, ankle]), atol=1e-12)
-    assert leg_matrix(ROBOT.capstan)[3:, 3:] == pytest.approx(
-        np.array([[1 / RADIUS, 1 / RATIO], [1 / RADIUS, -1 / RATIO]])
-    )
-    with_tendons = build_model(ROBOT, SimulationOptions())
-    without = build_model(ROBOT, SimulationOptions())
-    without.tendon_armature[:] = 0.0
-    expected = np.zeros((18, 18))
-    for first in (9, 15):
-        expected[first, first], expected[first + 1, first + 1] = slide, ankle
-    rng = np.random.default_rng(2)
-    for _ in range(5):
-        qpos = random_pose(rng)
-        added = full_mass(with_tendons, qpos) - full_mass(without, qpos)
-        np.testing.assert_allclose(added, expected, atol=1e-12)
 
 
 def test_position_loops_of_the_motors_are_those_of_the_joints():

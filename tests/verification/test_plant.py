@@ -1,15 +1,12 @@
 """MuJoCo's inverse dynamics and impacts."""
 
-import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from slider.robot import names
-from slider.robot.transmission import Transmission
-from slider.verification.dynamics import stored_state
 from slider.verification.plant import plant_state
-from tests.verification.sample import config, gaits, pinocchio, plant
+from tests.verification.sample import pinocchio, plant
 
 
 def random_states(count: int):
@@ -50,21 +47,3 @@ def moment_about_the_line(q: np.ndarray, v: np.ndarray, side: str) -> float:
     sole = robot.foot_ends(q, side).mean(axis=0)
     arm = robot.data.com[0] - sole
     return float((momentum.angular + np.cross(arm, momentum.linear))[0])
-
-
-@pytest.mark.parametrize("sample", [0, 10, 25, 41])
-def test_efforts_through_the_transmission_are_what_mujocos_motors_need(sample):
-    """MuJoCo's own transmission: joint efforts of unit motor torques, by its actuator moments."""
-    gait, machine = gaits()[1], plant()
-    side = names.SIDES[gait.step_of(sample)]
-    forces, jacobian = machine.inverse(plant_state(stored_state(gait, pinocchio(), sample)), side)
-    model, data = machine.model, machine.data
-    moment = np.zeros((model.nu, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mju_sparse2dense(
-        moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
-    )
-    motors = Transmission.of(config().robot).torques(gait.efforts[sample])
-    made = moment.T @ motors + jacobian.T @ gait.ground_wrench[sample]
-    held = np.delete(np.arange(model.nv), [11, 17])  # the upper feet are passive
-    np.testing.assert_allclose(made[held], forces[held], atol=1e-6)

@@ -68,12 +68,9 @@ def motor_torques(robot: Simulation, targets: np.ndarray, reference) -> np.ndarr
 @pytest.mark.parametrize("sample", [0, 7, 20, 21, 35])
 def test_on_the_gait_the_motors_make_the_gaits_own_efforts(sample):
     robot, gait = simulation(1), gaits()[1]
-    motion = gait.steps[gait.step_of(sample)]
-    state = plant().moving(motion, gait.time_in_step(sample))
-    times = np.linspace(0.0, motion.duration, gait.half)
-    reference = tabulate(gait, plant(), gait.half)[gait.step_of(sample)].at(
-        times[sample % gait.half]
-    )
+    step, time = gait.step_of(sample), gait.time_in_step(sample)
+    state = plant().moving(gait.steps[step], time)
+    reference = tabulate(gait, plant(), gait.half)[step].at(time)
     robot.data.qpos[:], robot.data.qvel[:] = state.qpos, state.qvel
     made = motor_torques(robot, reference.joints, reference)
     expected = Transmission.of(config().robot).torques(gait.efforts[sample])

@@ -11,9 +11,8 @@ from slider.evaluation import tuning
 from slider.reports import tuning as report
 from tests.evaluation.test_baseline import section as baseline
 
-SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
-    "planner.steps": {"lower": 4.0, "upper": 5.0, "log": False},
-}
+BOUNDS = {"step.apex": (0.05, 0.09), "planner.steps": (4.0, 5.0)}
+SPACE = {name: {"lower": a, "upper": b, "log": False} for name, (a, b) in BOUNDS.items()}
 
 
 def section(trials: int = 3, seed: int = 1) -> dict:
@@ -25,8 +24,8 @@ def section(trials: int = 3, seed: int = 1) -> dict:
 
 
 def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:
-    (folder / name).mkdir(exist_ok=True)
-    (folder / "work").mkdir(exist_ok=True)
+    for made in (name, "work"):
+        (folder / made).mkdir(parents=True, exist_ok=True)
     job = Job(folder / "work")
     summary = tuning.run(section(trials, seed), {}, folder / name, job)
     table = pd.read_csv(folder / name / tuning.CSV)
@@ -43,18 +42,12 @@ def test_a_fall_counts_as_standing_still():
     errors = np.array([0.04, 0.0, np.nan, 0.01])
     tracked = Tracking(survived, errors, errors, errors, survived)
     columns, score = tuning.scored(tracked, [1.0, 2.0])
-    assert columns == {
-        "success_rate_1": 1.0,
-        "error_1": 0.02,
-        "success_rate_2": 0.5,
-        "error_2": (4.0 + 0.01) / 2,
-    }
+    rates = {"success_rate_1": 1.0, "success_rate_2": 0.5}
+    assert columns == rates | {"error_1": 0.02, "error_2": (4.0 + 0.01) / 2}
     assert score == pytest.approx((np.log10(0.02) + np.log10(2.005 / 4.0)) / 2)
 
 
 def test_the_first_trial_is_the_present_one_and_a_search_repeats(tmp_path):
-    for name in ("a", "b"):
-        (tmp_path / name).mkdir()
     table, job = search(tmp_path / "a", "out")
     assert list(table["trial"]) == [0, 1, 2]
     assert (table["step.apex"][0], table["planner.steps"][0]) == (0.077, 6)
@@ -80,10 +73,8 @@ def test_dotted_names_are_those_of_numbers():
     assert setting(control, "step.apex") == 0.07
     for name in ("step", "step.switching", "lock", "step.apex.more", "none.there"):
         assert setting(control, name) is None
-    assert with_settings(control, {"step.apex": 0.1})["step"] == {
-        "apex": 0.1,
-        "switching": "contact",
-    }
+    changed = with_settings(control, {"step.apex": 0.1})
+    assert changed["step"] == {"apex": 0.1, "switching": "contact"}
     assert control["step"]["apex"] == 0.07
 
 

@@ -8,12 +8,6 @@ from slider.gait import bezier
 S = np.linspace(0.0, 1.0, 11)
 
 
-def test_basis_is_a_partition_of_unity():
-    value, slope, curvature = (basis.sum(axis=1) for basis in bezier.basis_orders(8, S, 3))
-    np.testing.assert_allclose(value, 1.0, atol=1e-14)
-    np.testing.assert_allclose([slope, curvature], 0.0, atol=1e-11)
-
-
 def test_a_straight_control_polygon_is_a_straight_line():
     coefficients = np.linspace(-1.0, 2.0, 7)[None]
     np.testing.assert_allclose(bezier.evaluate(coefficients, S)[:, 0], -1 + 3 * S, atol=1e-14)

@@ -9,10 +9,7 @@ from tensordict import TensorDict
 
 from slider.env.interface import FLOAT64
 from slider.env.vec_env import Task
-from slider.training.ppo import (
-    TrackerLogWriter,
-    with_reflections,
-)
+from slider.training.ppo import TrackerLogWriter, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task, trained
@@ -71,13 +68,8 @@ def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
 
 
 def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
-    network = replace(
-        config(*TINY).train.walking.network,
-        initial_std=0.5,
-        std_max=0.4,
-        std_final=0.1,
-        anneal_from=0.5,
-    )
+    bounds = {"initial_std": 0.5, "std_max": 0.4, "std_final": 0.1, "anneal_from": 0.5}
+    network = replace(config(*TINY).train.walking.network, **bounds)
     train = {"iterations": 4, "network": network}
     actors = actors_of(Trainer(task(**train), job(tmp_path)))
     noise = [each["distribution.log_std_param"].exp().max().item() for each in actors]
@@ -105,12 +97,9 @@ def test_reflections_follow_the_originals(tmp_path):
     env = make_run(tmp_path).trainer.env
     half = env.num_envs // 2
     index = np.arange(env.num_envs)
-    pose = mirror_pose(env.physics.qpos[:half].copy(), env.physics.qvel[:half].copy())
-    both = [
-        np.concatenate([own[:half], other])
-        for own, other in zip((env.physics.qpos, env.physics.qvel), pose, strict=True)
-    ]
-    env.physics.reset(index, *both)
+    own = env.physics.qpos[:half].copy(), env.physics.qvel[:half].copy()
+    pose = mirror_pose(*(each.copy() for each in own))
+    env.physics.reset(index, *map(np.concatenate, zip(own, pose, strict=True)))
     command = np.tile([0.4, 0.05, 0.1], (env.num_envs, 1))
     command[half:] *= [1, -1, -1]
     state = env.physics.read().tensors(FLOAT64)
@@ -124,7 +113,6 @@ def test_reflections_follow_the_originals(tmp_path):
     observations, actions = with_reflections(env, seen[:half], action)
     assert observations is not None
     assert actions is not None
-    assert observations.batch_size == (2 * half,)
     assert torch.equal(observations["policy"][:half], seen["policy"][:half])
     np.testing.assert_allclose(observations["policy"], seen["policy"], atol=1e-5)
     np.testing.assert_allclose(actions[half:], action.numpy()[:, PERMUTATION] * SIGN, atol=1e-6)

@@ -14,18 +14,12 @@ from slider.training.selection import Selector
 from tests.env.synthetic import config, gait_table, make_recording
 
 SETTINGS = SelectionConfig(
-    interval=1,
-    speeds=[0.2, 2.0],
-    robots=2,
-    seed=1900,
-    duration=1.0,
-    warm_up=0.2,
-    fall_weight=10.0,
+    interval=1, speeds=[0.2, 2.0], robots=2, seed=1900, duration=1.0, warm_up=0.2, fall_weight=10.0
 )
 
 
-def make_selector(settings: SelectionConfig = SETTINGS, disturbance: str = "none") -> Selector:
-    whole = config("experiment=test", f"train/walking/disturbance={disturbance}")
+def make_selector(settings: SelectionConfig = SETTINGS) -> Selector:
+    whole = config("experiment=test", "train/walking/disturbance=none")
     train, table = replace(whole.train.walking, selection=settings), gait_table()
     task = Task(whole.robot, whole.env, train, table.times, None, table.joints)
     return Selector(task, threads=1)
@@ -33,11 +27,6 @@ def make_selector(settings: SelectionConfig = SETTINGS, disturbance: str = "none
 
 def nothing(observations: torch.Tensor) -> torch.Tensor:
     return torch.zeros(len(observations), 12)
-
-
-def score_of(monkeypatch, recording: Recording) -> selection.Score:
-    monkeypatch.setattr(selection, "roll_out", lambda *_: recording)
-    return make_selector().score(nothing)
 
 
 def recorded(speeds: list[float], alive: list[bool]) -> Recording:
@@ -53,7 +42,9 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
 
 
 def test_score_by_hand(monkeypatch):
-    score = score_of(monkeypatch, recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False]))
+    recording = recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False])
+    monkeypatch.setattr(selection, "roll_out", lambda *_: recording)
+    score = make_selector().score(nothing)
     relative = np.mean([0.01 / (0.01 + 0.0004), 0.0, 0.04 / (0.01 + 0.04)])
     survivor = relative * 5.0 / (relative + 5.0)
     assert score.value == pytest.approx(10.0 / 4 + survivor * 3 / 4)

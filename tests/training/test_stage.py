@@ -21,6 +21,14 @@ ALONE = (
     "train/walking/reward=unguided",
     "train.walking.reset.reference_fraction=0",
 )
+FINETUNING = (
+    *TINY,
+    "finetuning=robust",
+    "finetuning.robots=8",
+    "finetuning.steps_per_iteration=8",
+    "finetuning.ppo.precision=float32",
+    "finetuning.selection={robots: 1, duration: 0.2, warm_up: 0.1}",
+)
 
 
 def section(*overrides: str) -> Section:
@@ -58,7 +66,7 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
     run_walking(section("train.walking.iterations=1"), inputs, folders["walking"], Job(tmp_path))
     inputs["start"] = [folders["walking"]]
     for name, iterations in {"same": 0, "tuned": 1}.items():
-        whole = config(*TINY, "finetuning=robust", *_tiny_finetuning(iterations))
+        whole = config(*FINETUNING, f"finetuning.iterations={iterations}")
         assert whole.finetuning is not None
         assert whole.finetuning.disturbance.push.impulse.upper > 0
         tuning = {**section(), "train": to_dict(whole.finetuning)}
@@ -68,21 +76,7 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
     assert not same(weights["walking"], weights["tuned"])
 
 
-def _tiny_finetuning(iterations: int) -> list[str]:
-    values = {
-        "iterations": iterations,
-        "robots": 8,
-        "steps_per_iteration": 8,
-        "ppo.precision": "float32",
-        "selection.robots": 1,
-        "selection.duration": 0.2,
-        "selection.warm_up": 0.1,
-    }
-    return [f"finetuning.{name}={value}" for name, value in values.items()]
-
-
 def test_a_guide_without_a_library_is_refused(tmp_path):
-    with pytest.raises(UserError) as error:
+    expected = r"^reward: expected a gait library for its guide terms, found none$"
+    with pytest.raises(UserError, match=expected):
         run_walking(section(*ALONE, "train/walking/reward=default"), {}, tmp_path, Job(tmp_path))
-    expected = "expected a gait library for its guide terms, found none"
-    assert str(error.value) == f"reward: {expected}"

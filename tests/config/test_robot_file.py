@@ -128,14 +128,16 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert config.env.termination.terms["base_height"] == pytest.approx(0.2)
     assert (posture.clearance, posture.swing_height) == (pytest.approx(0.025), 0.1)
     assert posture.foot_separation_max == pytest.approx(0.225)
-    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.088, 0.2))
+    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.0895, 0.2))
     root, times = 0.5**0.5, config.gait.step_time
     assert (times.lower, times.upper) == pytest.approx((0.25 * root, 0.32 * root))
     assert config.gait.touchdown.forward == pytest.approx(0.3 * root)
     assert posture.torso_rate == pytest.approx(1.0 / root)
     assert mpc.whole_body.force_max == pytest.approx(1200.0)
-    loaded = config.train.walking.reward.terms["contact_schedule"].params["loaded"]
-    assert loaded == pytest.approx(40.0)
+    terms = config.train.walking.reward.terms
+    assert terms["contact_schedule"].params["loaded"] == pytest.approx(40.0)
+    assert terms["guide_height"].params["width"] == pytest.approx(0.0025 / 4)
+    assert terms["lateral_velocity_filtered"].params["width"] == pytest.approx(0.1 * root)
     found = refusal([file, "env.termination.terms.base_height=0.4"])
     assert found.endswith("less than 0.365 m, at which the robot stands, found 0.4")
     found = refusal(["robot.geometry.leg_length=long"])

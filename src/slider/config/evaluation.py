@@ -243,7 +243,7 @@ class TuningConfig:
     finalists: t.Count
     """best trials that are measured again, as the present settings are"""
     finalist_robots: t.Count
-    """per speed, more than ``robots``"""
+    """per speed"""
     seed: t.Seed
     """of the starts; the finalists' is the next one"""
     spaces: dict[str, dict[str, _Range]]

@@ -269,7 +269,7 @@ def _seeds(config: Config) -> None:
     for key, protocol in config.evaluations.items():
         _within(f"{key}.seed", protocol.seed, protocol.trials, final, development)
     _within("gauge.seed", config.gauge.seed, config.gauge.trials, final, development)
-    _within("tuning.seed", config.tuning.seed, 1, development)
+    _within("tuning.seed", config.tuning.seed, 2, development)
     # A training must not see the disturbed robots of a reported trial.
     trained = {f"{key}.seed": train.seed for key, train in config.trainings.items()}
     for name, study in config.study.items():

@@ -35,15 +35,17 @@ SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write a row per trial: score, settings, success and error [m²/s²] of each speed."""
+    """Write a row per trial and per finalist: score, settings, success and error of each speed."""
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     ranges = _distributions(section)
     storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))
     study = optuna.create_study(storage=storage, study_name="tuning", load_if_exists=True)
+    for trial in study.get_trials(states=(TrialState.RUNNING,)):  # killed
+        study.tell(trial.number, state=TrialState.FAIL)
     done = len(_complete(study))
     if done:
         job.volatile["resumed"] = True
-    else:
+    elif not study.get_trials(states=(TrialState.WAITING,)):
         study.enqueue_trial({name: setting(section["control"], name) for name in ranges})
     # A resumed search must not draw again what it has drawn.
     study.sampler = optuna.samplers.GPSampler(seed=section["sampler_seed"] + done)
@@ -52,29 +54,27 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     for number in range(done, section["trials"]):
         trial = study.ask(ranges)
         columns, score = measure(protocol, trial.params)
+        assert np.isfinite(score), trial.params
         for name, value in columns.items():
             trial.set_user_attr(name, value)
         study.tell(trial, score)
         job.progress(f"trial {number + 1}/{section['trials']}, best score {study.best_value:.3f}")
         job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
-    present, *drawn = trials = _complete(study)
-    best = sorted(drawn, key=lambda trial: trial.values)[: section["finalists"]]
+    present, *drawn = trials = list(enumerate(_complete(study)))
+    best = sorted(drawn, key=lambda item: item[1].values)[: section["finalists"]]
     changed = {"robots": section["finalist_robots"], "seed": protocol.seed + 1}
     final = from_dict(EvaluationConfig, section["evaluation"] | changed)
-    rows = [_row(trial, 0, trial.user_attrs, trial.values[0]) for trial in trials]
-    for number, trial in enumerate([present, *best]):
-        job.progress(f"finalist {number + 1}/{len(best) + 1}")
-        rows.append(_row(trial, 1, *measure(final, trial.params)))
-    table = pd.DataFrame(rows)
-    table.to_csv(out / CSV, index=False, float_format="%.6g", lineterminator="\n")
-    winner = table.loc[table["score"][table[FINALIST] == 1].idxmin()]
-    return {"best": int(winner["trial"]), "score": float(winner["score"])}
-
-
-def _row(
-    trial: FrozenTrial, finalist: int, columns: Mapping[str, float], score: float
-) -> dict[str, float]:
-    return {"trial": trial.number, FINALIST: finalist, "score": score} | trial.params | columns
+    rows = [
+        {"trial": number, FINALIST: 0, "score": trial.values[0], **trial.params, **trial.user_attrs}
+        for number, trial in trials
+    ]
+    for place, (number, trial) in enumerate([present, *best], 1):
+        job.progress(f"finalist {place}/{len(best) + 1}")
+        columns, score = measure(final, trial.params)
+        rows.append({"trial": number, FINALIST: 1, "score": score, **trial.params, **columns})
+    pd.DataFrame(rows).to_csv(out / CSV, index=False, float_format="%.6g", lineterminator="\n")
+    winner = min(rows[len(trials) :], key=lambda row: row["score"])
+    return {"best": winner["trial"], "score": winner["score"]}
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:

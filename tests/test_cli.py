@@ -60,10 +60,17 @@ def test_no_kind_of_output_gives_a_trace(command):
     assert done.stderr == ""
 
 
-def test_a_missing_right_is_one_line(monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("ffmpeg", "ffmpeg: Permission denied"),
+        ("artefacts/a", "expected to write artefacts/a, found: Permission denied"),
+    ],
+)
+def test_a_missing_right_is_one_line(monkeypatch, capsys, name, line):
     def fail(_):
-        raise PermissionError(errno.EACCES, "Permission denied", "ffmpeg")
+        raise PermissionError(errno.EACCES, "Permission denied", name)
 
     monkeypatch.setattr("slider.commands.config.run", fail)
     assert main(["config"]) == 1
-    assert capsys.readouterr().err == "slider: ffmpeg: Permission denied\n"
+    assert capsys.readouterr().err == f"slider: {line}\n"

@@ -1,13 +1,14 @@
 """Care of the store: ``slider store verify`` repairs what it names, ``gc`` keeps recent plans."""
 
 import os
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from slider.artefacts.current import current_plan
-from slider.artefacts.maintenance import Removed, collect, drop_damaged, verify
+from slider.artefacts.maintenance import Removed, collect, date_now, drop_damaged, verify
 from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -124,3 +125,12 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     path.write_bytes(b"\xff")
     with pytest.raises(UserError, match=r"expected a plan, found none at .*store verify` drops it"):
         collect(store, keep=1)
+
+
+def test_only_what_is_from_the_future_is_dated(store, tmp_path):
+    late, early = tmp_path / "late", tmp_path / "early"
+    for path, ahead in ((late, 3600), (early, -3600)):
+        path.touch()
+        os.utime(path, 2 * (time.time() + ahead,))
+    assert date_now(store, [late, early, tmp_path / "absent"]) == 1
+    assert early.stat().st_mtime < late.stat().st_mtime <= time.time()

@@ -111,15 +111,19 @@ def test_one_disturbance_does_not_move_the_draws_of_another():
 
 
 @pytest.mark.parametrize("substeps", [1, 4])
-def test_each_robots_inputs_are_late_by_its_own_delay_at_any_rate_of_the_controller(substeps):
+@pytest.mark.parametrize("least", [0, 1])
+def test_each_robots_inputs_are_late_by_its_own_delay_at_any_rate_of_the_controller(
+    substeps, least
+):
     """Whole simulation steps, from the shortest to the longest."""
-    every, line = np.arange(6), DelayLine(Interval(0.005, 0.03), 0.005, 6, 1)
-    line.draw(every, every / 6 + 0.01)
-    line.fill(every, np.full((6, 1), -1.0))
+    count = 7 - least
+    every, line = np.arange(count), DelayLine(Interval(0.005 * least, 0.03), 0.005, count, 1)
+    line.draw(every, (every + 0.5) / count)
+    line.fill(every, np.full((count, 1), -1.0))
     issued = np.repeat(np.arange(24 // substeps), substeps).astype(float)
-    calls = np.tile(issued.reshape(-1, 1, substeps, 1), (1, 6, 1, 1))
+    calls = np.tile(issued.reshape(-1, 1, substeps, 1), (1, count, 1, 1))
     arrived = np.concatenate([line.pass_on(call)[..., 0] for call in calls], axis=1)
-    for late, row in enumerate(arrived, 1):
+    for late, row in enumerate(arrived, least):
         np.testing.assert_array_equal(row, np.concatenate([[-1.0] * late, issued])[:24])
 
 

@@ -239,6 +239,9 @@ def test_clf_decrease(before, now, expected):
     seen = RewardView(view, guide, RewardView(last, guide).outputs)
     found = TERMS["clf_decrease"].function(seen, **CLF, **RATES)
     np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
+    start = RewardView(view, guide, torch.full_like(seen.outputs, np.inf))
+    first = TERMS["clf_decrease"].function(start, **CLF, **RATES)
+    np.testing.assert_array_equal(first, [0.0], "V is infinite before an episode")
 
 
 def brute_force(view: View, keep: np.ndarray, gait: str = "nearest") -> np.ndarray:

@@ -28,6 +28,7 @@ SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "mine"}
 
 def test_some_of_the_papers_numbers():
     rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows()}
+    assert len(rows) == 14
     assert rows["guided_drl", 3.0].items() >= {"success_rate": 0.731, "mse": 1.6}.items()
     assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
 

@@ -66,6 +66,8 @@ def test_or_is_written_down(checked, tmp_path):
     assert not content["passed"]
     assert len(content["failures"]) == len(VELOCITIES)
     assert content["quantities"]["roll_end"]["passed"] is False
+    rows = csv.DictReader((tmp_path / stage.CSV).read_text().splitlines())
+    assert {row["failed"] for row in rows} == {"roll_end"}
 
 
 def test_holes_of_the_library_are_left_out(tmp_path):

@@ -80,7 +80,7 @@ def test_robots_given_up_leave_the_others_as_they_are():
     for observer in both:
         observer.reset(measured)
     both[0].give_up(np.arange(COUNT) == 1)
-    torques = np.full((COUNT, names.NUM_JOINTS), 3.0)
+    torques = np.outer(np.arange(1.0, COUNT + 1), np.ones(names.NUM_JOINTS))
     for _ in range(8):
         some, whole = (observer.estimate(measured) for observer in both)
         for observer in both:

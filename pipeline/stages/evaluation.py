@@ -19,13 +19,8 @@ from slider.core.files import digest_file
 from slider.core.machine import kernels
 
 _EXPORTED = (ONNX, LAYOUT, REFERENCE)  # files of an exported policy
-_SEARCH = (
-    "trials",
-    "sampler_seed",
-    "finalists",
-    "finalist_robots",
-    "speeds",
-)  # what all of them share, and no evaluation has
+# What all searches share, and no evaluation has.
+_SEARCH = ("trials", "sampler_seed", "finalists", "finalist_robots", "speeds")
 
 
 def evaluations_of(

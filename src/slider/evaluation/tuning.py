@@ -35,7 +35,7 @@ SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write a row per trial and per finalist: score, settings, success and error of each speed."""
+    """Write a row per trial and finalist: score, settings, success and error [m²/s²] per speed."""
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     ranges = _distributions(section)
     storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))

@@ -140,7 +140,7 @@ def _gait(vx: float, vy: float, yaw_rate: float) -> tuple[np.ndarray, np.ndarray
 
 
 def make_guide(gait: str = "interpolated") -> Guide:
-    return Guide(library(), gait_table(), gait)
+    return Guide(library(), gait_table(), robot_config().geometry, gait)
 
 
 def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:

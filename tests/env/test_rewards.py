@@ -21,6 +21,7 @@ from tests.env.synthetic import (
     make_state,
     make_view,
     random_view,
+    robot_config,
     turning_library,
 )
 
@@ -263,7 +264,8 @@ def brute_force(view: View, keep: np.ndarray, gait: str = "nearest") -> np.ndarr
 def test_gaits_that_turn_need_the_hip_yaws_of_what_they_lack_only():
     """In the middle of the grid nothing; beyond its border what is missing there."""
     library = turning_library()
-    guide, flat = Guide(library, GaitTable.from_library(library)), make_guide()
+    table, flat = GaitTable.from_library(library), make_guide()
+    guide = Guide(library, table, robot_config().geometry)
     command = np.tile([0.2, 0.05, 0.0, 0.0], (4, 1))
     command[:, 2] = [0.2, -0.3, 0.5, 0.0]
     phase = np.array([0.1, 0.3, 0.6, 0.9])

@@ -18,6 +18,7 @@ from tests.env.synthetic import (
     config,
     gait_table,
     make_guide,
+    robot_config,
     turning_library,
 )
 from tests.library.gaits import write_store
@@ -185,7 +186,7 @@ def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others(
 def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     """The heading target is the course of the walk at the phase of the start."""
     library = turning_library()
-    guide = Guide(library, GaitTable.from_library(library))
+    guide = Guide(library, GaitTable.from_library(library), robot_config().geometry)
     whole = config("experiment=test", "env.start.tilt=0")
     env = starting(whole, 1.0, guide, yaw_rate=Interval(-0.5, 0.5))
     command, yaw = env.agent.command, env.physics.read().yaw

@@ -53,7 +53,7 @@ def train(folder: Path, training: str, iterations: int, start: Path | None = Non
     settings = whole.trainings[training]
     guide = None
     if training != "train.standing":
-        guide = Guide(library, table, settings.guide.gait)
+        guide = Guide(library, table, whole.robot.geometry, settings.guide.gait)
     made = job(folder)
     env = replace(whole.env, sensing=settings.sensing)
     task = Task(whole.robot, env, settings, table.times, guide, table.joints)

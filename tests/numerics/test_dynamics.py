@@ -5,17 +5,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.config.robot import RobotConfig
 from slider.gait.formulation import Formulation
 from slider.verification.pin_robot import PinRobot
 from tests.gait.gaits import config, inverse_dynamics
+from tests.robot.lopsided import kneed
 
 
-@pytest.mark.parametrize("dynamics", ["prismatic", "knee"])
-@pytest.mark.parametrize("thigh", [0.36, 0.39])
-def test_random_motions(dynamics, thigh):
-    """Also of a thigh that is longer than the shank, so that no term vanishes."""
-    robot, rng = config().robot, np.random.default_rng(0)
-    robot = replace(robot, virtual_knee=replace(robot.virtual_knee, thigh_length=thigh))
+def with_thigh(length: float) -> RobotConfig:
+    robot = config().robot
+    return replace(robot, virtual_knee=replace(robot.sliding_leg, thigh_length=length))
+
+
+@pytest.mark.parametrize(
+    ("robot", "dynamics"),
+    [
+        (with_thigh(0.36), "prismatic"),
+        (with_thigh(0.36), "knee"),
+        (with_thigh(0.39), "prismatic"),  # longer than the shank, so that no term vanishes
+        (with_thigh(0.39), "knee"),
+        (kneed(), "prismatic"),
+    ],
+)
+def test_random_motions(robot, dynamics):
+    rng = np.random.default_rng(0)
     pinocchio = PinRobot(robot, dynamics)
     rooted = inverse_dynamics(Formulation(robot, replace(config().gait, dynamics=dynamics)))
     for _ in range(20):

@@ -1,5 +1,7 @@
 """Eq. 1 as a change of coordinates: derivatives and work."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from slider.config.robot import VirtualKnee
 from slider.gait.tree import LegMap
 from slider.robot.knee_map import KneeLengths, prismatic_motion
 from slider.verification.pin_robot import slide_jacobian
+from tests.gait.gaits import config
 
 L1, L2, NOMINAL, STEP = 0.39, 0.35, 0.64, 1e-5
 KNEES = [3, 8]
@@ -15,7 +18,9 @@ KNEES = [3, 8]
 
 @pytest.fixture(scope="module")
 def leg_map() -> LegMap:
-    return LegMap.of(VirtualKnee(L1, L2, 0.3), NOMINAL)
+    robot = config().robot
+    geometry = replace(robot.geometry, leg_length=NOMINAL)
+    return LegMap.of(replace(robot, geometry=geometry, virtual_knee=VirtualKnee(L1, L2, 0.3)))
 
 
 def motion(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""A robot whose legs are as general as the configuration allows."""
+"""A robot whose legs are as general as the configuration allows, and one that has knees."""
 
 from dataclasses import replace
 from functools import cache
@@ -35,6 +35,13 @@ def lopsided() -> RobotConfig:
     links = replace(robot.links, **links)
     changes = {"geometry": geometry, "links": links, "drives": drives, "gains": gains}
     return replace(robot, capstan=None, **changes)
+
+
+@cache
+def kneed() -> RobotConfig:
+    """Unitree's H1."""
+    folder = Path(__file__).parents[2]
+    return compose([f"robot={folder}/docs/examples/robots/unitree_h1.yaml"], folder / "conf").robot
 
 
 def moved(rng: np.random.Generator) -> np.ndarray:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from slider.robot.bodies import knee_bodies, prismatic_bodies, total_mass
+from slider.robot.bodies import knee_bodies, own_bodies, total_mass
 from tests.gait.gaits import config
 
-BODIES = knee_bodies(config().robot), prismatic_bodies(config().robot)
+BODIES = knee_bodies(config().robot), own_bodies(config().robot)
 LINKS = ("yaw", "roll", "pitch", "tube", "foot", "upper_foot")
 
 

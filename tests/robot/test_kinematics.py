@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from slider.config.compose import compose
-from slider.config.robot import RobotConfig
+from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
+    SAGITTAL,
     about_z,
     foot_ends,
     foot_motion,
@@ -18,14 +19,17 @@ from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,
     standing_height,
+    stretching,
     turn_to_heading,
     yaw_of,
 )
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
-from tests.robot.lopsided import lopsided
+from tests.robot.lopsided import kneed, lopsided
 
 ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
-ROBOTS = pytest.mark.parametrize("robot", [ROBOT, lopsided()], ids=["slider", "lopsided"])
+ROBOTS = pytest.mark.parametrize(
+    "robot", [ROBOT, lopsided(), kneed()], ids=["slider", "lopsided", "kneed"]
+)
 
 
 def test_a_quarter_turn_by_hand():
@@ -74,9 +78,14 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
         points = leg_points(geometry, rotation, joints)[0] + data.qpos[:3]
         for leg, side in enumerate(names.SIDES):
             line = data.geom(names.foot(side))
-            axis = line.xmat.reshape(3, 3)[:, 2] * 0.085
-            expected = {tuple(np.round(line.xpos + s * axis - [0, 0, 0.006], 9)) for s in (1, -1)}
+            axis = line.xmat.reshape(3, 3)[:, 2] * line_length(geometry) / 2
+            low = line.xpos - [0, 0, geometry.foot_radius]
+            expected = {tuple(np.round(low + s * axis, 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
+            if geometry.knee is not None:
+                hip, ankle, knee = (data.joint(f"{side}_{n}").xanchor for n in SAGITTAL)
+                np.testing.assert_allclose(points[leg, :3], [hip, knee, ankle], atol=1e-12)
+                continue
             bodies = [data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot")]
             upper = np.array([[-geometry.heel, 0, 0.045], [geometry.toe, 0, 0.045]])
             upper = bodies[2].xpos + upper @ bodies[2].xmat.reshape(3, 3).T
@@ -97,8 +106,29 @@ def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
             arms = motion.positions[0, leg] + data.qpos[:3] - data.xpos[body]
             expected = velocity[3:] + np.cross(velocity[:3], arms)
             np.testing.assert_allclose(motion.velocities[0, leg], expected, atol=1e-12)
-            axis = data.body(f"{side}_hip_pitch").xmat.reshape(3, 3)[:, 2]
+            hip, ankle = (data.joint(f"{side}_{name}").xanchor for name in ("hip_pitch", "ankle"))
+            axis = (hip - ankle) / np.linalg.norm(hip - ankle)
             np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
+
+
+@ROBOTS
+def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot):
+    """By differences of MuJoCo's ankle, at several slides or knees."""
+    model, step = build_model(robot, SimulationOptions()), 1e-6
+    data, start = mujoco.MjData(model), 7 + names.JOINTS.index("left_hip_pitch")
+    for extension in (-0.2, 0.0, 0.3):
+        way, places = stretching(robot.geometry, np.array(extension)), []
+        for sign in (-1.0, 1.0):
+            data.qpos[start : start + 3] = np.array([0.1, extension, 0.0]) + sign * step * way
+            mujoco.mj_kinematics(model, data)
+            places.append(data.joint("left_ankle").xanchor - data.joint("left_hip_pitch").xanchor)
+        moved, leg = (places[1] - places[0]) / (2 * step), places[0] / np.linalg.norm(places[0])
+        np.testing.assert_allclose(moved, leg, atol=1e-6)
+        assert robot.geometry.knee is None or abs(way.sum()) < 1e-12
+
+
+def line_length(geometry: Geometry) -> float:
+    return geometry.toe + geometry.heel
 
 
 @ROBOTS

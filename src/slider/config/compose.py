@@ -23,7 +23,7 @@ from yaml import MarkedYAMLError, YAMLError
 
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
-from slider.config.robot_file import store_robot, without_capstan
+from slider.config.robot_file import store_robot, without_absent
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError
@@ -68,7 +68,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
                 options += [f"~{axis[1]}", f"+{text}"] if axis else [text]
             config = hydra_compose("config", overrides=options)
             values = cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
-            without_capstan(values.get("robot"))
+            without_absent(values.get("robot"))
             return values
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None
@@ -112,6 +112,15 @@ def _mass(robot: Any) -> float:
     return sum(link.mass * (1 if name == "base" else 2) for name, link in robot.links.items())
 
 
+def _slide_or_knee(slide: float, knee: float, *, _root_: DictConfig) -> float:
+    """The first value for a leg that slides, the second for one that has a knee."""
+    try:
+        return slide if _root_.robot.geometry.get("knee") is None else knee
+    except (OmegaConfBaseException, AttributeError):
+        return slide  # as in _register_scale
+
+
+OmegaConf.register_new_resolver("slide_or_knee", _slide_or_knee, replace=True)
 OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
 _register_scale("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))

@@ -28,7 +28,8 @@ LINKS = {
     "ankle": "foot",
     "upper_foot": "upper_foot",
 }
-"""Joint, and the link below it."""
+"""Joint, and the link below it; a knee has the place of the slide."""
+_KNEE = "knee"
 ABSENT = ("hip_yaw", "upper_foot")
 """Joints that a machine may lack: a light link and a narrow range take their place."""
 _AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
@@ -43,7 +44,8 @@ _NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
 _ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MAX_TILT = 1e-3  # of an axis against the frame's [rad]
-_MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis, of the base from its plane [m]
+_MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis [m]
+_MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
 _MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
 
 
@@ -133,6 +135,7 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
     links = {"base": tree.base().values(np.zeros(3)), **leg.described()}
     robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
+    robot |= {"virtual_knee": None, "capstan": None} if leg.has_knee else {}
     return ModelFile(robot, tree.held(), (difference, worst))
 
 
@@ -143,17 +146,18 @@ class _Leg:
     places: dict[str, np.ndarray]
     links: dict[str, _Link]
     joints: dict[str, dict[str, float]]
+    has_knee: bool
 
     def mirrored(self) -> "_Leg":
         """The right leg as a left one; its joints' ranges are those of ``_Tree.leg``."""
         places = {name: place * _MIRROR for name, place in self.places.items()}
         links = {name: link.mirrored() for name, link in self.links.items()}
-        return _Leg(places, links, self.joints)
+        return _Leg(places, links, self.joints, self.has_knee)
 
     def geometry(self) -> dict[str, Any]:
         """Axes of the hip in the frames above, leg length, height of an upper foot."""
-        places, above = self._origins(), np.zeros(3)
-        axes = {}
+        places, above = self.origins(), np.zeros(3)
+        axes: dict[str, Any] = {}
         for name in ("hip_yaw", "hip_roll", "hip_pitch"):
             axes[name], above = _rounded(places[name] - above), places[name]
         reach = places["ankle"] - above
@@ -161,6 +165,8 @@ class _Leg:
         expected = "an ankle below the pitch axis in the nominal pose"
         require(along, "robot.model", expected, f"{np.round(reach, 4).tolist()} m from it")
         geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
+        if self.has_knee:
+            geometry["knee"] = _rounded(places["slide"] - above)
         if "upper_foot" in places:
             offset = places["upper_foot"] - above
             expected = "an upper foot above the pitch axis in the nominal pose"
@@ -171,7 +177,7 @@ class _Leg:
 
     def described(self) -> dict[str, Any]:
         """Links in the frames of their joints; light ones where there is no mass."""
-        places = self._origins() | {"slide": self._origins()["hip_pitch"]}
+        places = self.origins()
         return {
             LINKS[name]: self.links[name].values(places[name])
             if self.links.get(name) and self.links[name].mass > 0.0
@@ -179,19 +185,24 @@ class _Leg:
             for name in LINKS
         }
 
-    def _origins(self) -> dict[str, np.ndarray]:
-        """The yaw of a machine that lacks it is on the roll axis; the pitch's y is the ankle's."""
+    def origins(self) -> dict[str, np.ndarray]:
+        """Of the joints' frames; a slide's is the pitch's, whose y, as a knee's, is the ankle's.
+
+        The yaw of a machine that lacks it is on the roll axis.
+        """
         places = {"hip_yaw": self.places["hip_roll"]} | self.places
-        pitch = places["hip_pitch"].copy()
-        pitch[1] = places["ankle"][1]  # a pitch axis is along y: no matter where on it
-        return places | {"hip_pitch": pitch}
+        for name in ("hip_pitch", "slide"):  # an axis is along y: no matter where on it
+            x, _, z = places[name if self.has_knee else "hip_pitch"]
+            places[name] = np.array([x, places["ankle"][1], z])
+        return places
 
 
 class _Tree:
     """A compiled model in its nominal pose, the base at the origin."""
 
     def __init__(self, model: mujoco.MjModel, roles: Roles) -> None:
-        self._model, self._data, self._joints = model, mujoco.MjData(model), _joints(model, roles)
+        self._has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
+        self._model, self._data = model, mujoco.MjData(model)
         self._roles = {index for pair in self._joints.values() for index in pair}
         self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
@@ -254,14 +265,14 @@ class _Tree:
             joints[name] = self._joint(name, side)
         absent = [name for name in ABSENT if name not in joints]
         joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
-        return _Leg(places, links, joints)
+        return _Leg(places, links, joints, self._has_knee)
 
     def base(self) -> _Link:
         """The base and all that is welded to it, with the plane of symmetry at y = 0."""
         base = self._joined(np.flatnonzero(self._owners == -1))
-        expected = f"a base whose centre has y = 0 within {_MAX_OFFSET} m"
+        expected = f"a base whose centre has y = 0 within {_MAX_LATERAL} m"
         lateral = base.com[1]
-        require(abs(lateral) <= _MAX_OFFSET, "robot.model", expected, f"{lateral:.4f} m")
+        require(abs(lateral) <= _MAX_LATERAL, "robot.model", expected, f"{lateral:.4f} m")
         skewed = _relative(base.inertia - base.mirrored().inertia, np.abs(base.inertia).max())
         expected = f"a base with Ixy = Iyz = 0 within {_MAX_DIFFERENCE:.0%} of its moments"
         found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
@@ -283,13 +294,14 @@ class _Tree:
         """Range and passive properties, of a left leg."""
         model, index = self._model, self._joints[name][side]
         key = f"robot.roles.joints.{name}"
-        slides, text = name == "slide", model.joint(index).name
+        slides, text = name == "slide" and not self._has_knee, model.joint(index).name
         possible = model.jnt_type[index] == _MOVES[slides]
         require(possible, key, "a slide" if slides else "a hinge", text)
         axis = self._turn @ self._data.xaxis[index]
-        sign = float(np.sign(axis @ _AXES[name]))
-        possible = np.abs(sign * axis - _AXES[name]).max() <= _MAX_TILT
-        expected = f"an axis along {'xyz'[int(np.abs(_AXES[name]).argmax())]}"
+        along = _AXES["ankle" if name == "slide" and self._has_knee else name]
+        sign = float(np.sign(axis @ along))
+        possible = np.abs(sign * axis - along).max() <= _MAX_TILT
+        expected = f"an axis along {'xyz'[int(np.abs(along).argmax())]}"
         require(possible, key, expected, f"{text} along {np.round(axis, 3).tolist()}")
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
         if side == 1 and name in ("hip_yaw", "hip_roll"):
@@ -361,8 +373,11 @@ def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
 
 def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     """Left and right joint of each role that the machine has."""
-    table, key = roles.joints, "robot.roles.joints"
-    require(set(table) == set(LINKS), key, ", ".join(LINKS), ", ".join(table))
+    table, key = dict(roles.joints), "robot.roles.joints"
+    if _KNEE in table:
+        table["slide"] = table.pop(_KNEE)
+    expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide"
+    require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
     lacks = [name for name, pair in table.items() if pair is None and name not in ABSENT]
     require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
     pairs: dict[str, tuple[int, int]] = {}

@@ -94,7 +94,7 @@ class Geometry:
 
     axes: HipAxes
     leg_length: t.Positive[t.Metres]
-    """hip pitch axis to ankle at slide = 0"""
+    """hip pitch axis to ankle, which is below it, with all joints at zero"""
     ankle_height: t.Positive[t.Metres]
     """ankle axis to sole"""
     toe: t.Positive[t.Metres]
@@ -111,6 +111,8 @@ class Geometry:
     """of the drives about the hip"""
     base_half_size: t.Vector3[t.Positive[t.Metres]]
     """box between the hips"""
+    knee: t.Vector3[t.Metres] | None = None
+    """axis of a knee in the pitch link, bent with all joints at zero; null: the leg slides"""
 
     @property
     def hip(self) -> tuple[float, float, float]:
@@ -120,6 +122,14 @@ class Geometry:
         return x, y, z
 
     @property
+    def bend(self) -> float:
+        """Angle of a knee with all joints at zero [rad], > 0 where it points forward; else 0."""
+        if self.knee is None:
+            return 0.0
+        x, _, z = self.knee
+        return float(np.arctan2(x, self.leg_length + z) + np.arctan2(x, -z))
+
+    @property
     def standing_height(self) -> float:
         """Base above the ground, all joints at zero [m]."""
         return self.leg_length + self.ankle_height - self.hip[2]
@@ -127,7 +137,7 @@ class Geometry:
 
 @dataclass(frozen=True, config=t.STRICT)
 class VirtualKnee:
-    """The revolute leg that stands for the slide in the gait solver."""
+    """The revolute leg that stands for the slide in the gait solver; a leg with a knee has none."""
 
     thigh_length: t.Positive[t.Metres]
     """l₁"""
@@ -195,11 +205,22 @@ class Mechanism:
 
     geometry: Geometry
     links: Links
-    virtual_knee: VirtualKnee
+    virtual_knee: VirtualKnee | None
     joints: dict[str, Annotated[Joint, t.ordered("lower", "upper", strict=True)]]
     drives: dict[str, Drive]
     capstan: Capstan | None
     """null: slide and ankle have a motor each"""
+
+    @property
+    def sliding_leg(self) -> VirtualKnee:
+        """The virtual knee of a leg that slides.
+
+        Raises:
+            ValueError: the leg has a knee.
+        """
+        if self.virtual_knee is None:
+            raise ValueError("expected a leg that slides, found one with a knee")
+        return self.virtual_knee
 
     @property
     def leg_motors(self) -> tuple[str, ...]:

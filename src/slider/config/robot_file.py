@@ -27,6 +27,10 @@ _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
 """Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
+_PARTS = {
+    "capstan": ("capstan", "drives.capstan", "gains.capstan"),
+    "virtual_knee": ("virtual_knee",),
+}
 
 
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
@@ -59,14 +63,15 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     return [f"robot={_OPTION}" if text in paths else text for text in overrides]
 
 
-def without_capstan(robot: Any) -> None:
-    """Drop a capstan's drive, gains and tags from a robot with ``capstan: null``.
+def without_absent(robot: Any) -> None:
+    """Drop drive, gains and tags of a capstan, tags of a virtual knee, from a robot without them.
 
     They come from the robot that a file builds on: no file can delete a key.
     """
-    if not isinstance(robot, dict) or robot.get("capstan", "") is not None:
+    if not isinstance(robot, dict):
         return
-    gone = ("capstan.", "drives.capstan.", "gains.capstan.")
+    absent = (keys for name, keys in _PARTS.items() if robot.get(name, "") is None)
+    gone = tuple(f"{key}." for keys in absent for key in keys)
     for name, prefix in (("drives", "drives."), ("gains", "gains."), ("provenance", "")):
         if isinstance(values := robot.get(name), dict):
             kept = {k: v for k, v in values.items() if not f"{prefix}{k}.".startswith(gone)}

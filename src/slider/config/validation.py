@@ -22,6 +22,7 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 """Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
 _MAX_GRID = 5000  # velocities
 _LEAST_RATE = 200  # of a controller [Hz]
+_LEAST_BEND = 0.02  # of a knee, from the line between hip and ankle
 _RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
@@ -100,10 +101,18 @@ def _robot(robot: RobotConfig) -> None:
     lateral = robot.geometry.hip[1]
     expected = "a sum of y > 0 m: left hips are on the left"
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
-    length, knee = robot.geometry.leg_length, robot.virtual_knee
-    reach = knee.thigh_length + knee.shank_length
-    expected = f"thigh + shank longer than the leg ({length} m)"
-    require(reach > length, "robot.virtual_knee", expected, reach)
+    geometry, virtual = robot.geometry, robot.virtual_knee
+    one = (geometry.knee is None) != (virtual is None)
+    require(one, "robot.virtual_knee", "null where the leg has a knee, and only there", virtual)
+    if virtual is not None:
+        reach = virtual.thigh_length + virtual.shank_length
+        expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
+        require(reach > geometry.leg_length, "robot.virtual_knee", expected, reach)
+    if geometry.knee is not None:
+        bent = abs(geometry.knee[0]) >= _LEAST_BEND * geometry.leg_length
+        expected = f"x of at least {_LEAST_BEND:.0%} of leg_length: a knee that is bent"
+        require(bent, "robot.geometry.knee", expected, geometry.knee[0])
+        require(robot.capstan is None, "robot.capstan", "null where the leg has a knee", "one")
     paths = [f"{item.path}." for item in parameters(robot)]
     for group in robot.provenance:
         tags_numbers = any(path.startswith(f"{group}.") for path in paths)

@@ -12,7 +12,7 @@ from slider.config.convert import to_dict
 from slider.config.env import EstimatorConfig
 from slider.control import REFERENCE
 from slider.control.policy import Policy
-from slider.env.estimator import SlidingLeg
+from slider.env.estimator import Leg
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.lookup import JointTable, StepTimes
@@ -200,13 +200,18 @@ def _motors(policy: Policy) -> list[dict[str, Any]]:
     ]
 
 
-def _estimator(policy: Policy, config: EstimatorConfig) -> dict[str, Any]:
-    """Settings of the estimator on board, and masses that the force of a foot follows from."""
+def _estimator(policy: Policy, config: EstimatorConfig) -> dict[str, Any] | None:
+    """Settings of the estimator on board, and masses that the force of a foot follows from.
+
+    ``run_policy.py`` has it for legs that slide.
+    """
+    if policy.robot.geometry.knee is not None:
+        return None
     return {
         "meaning": "a Kalman filter of the base's velocity and height, from inertial unit, "
         "encoders and motor torques: see Estimator in run_policy.py",
         **to_dict(config),
-        **SlidingLeg.of(policy.robot)._asdict(),
+        **Leg.of(policy.robot)._asdict(),
     }
 
 

@@ -6,20 +6,24 @@ filter with one variance for the three components predicts the base's velocity f
 and corrects it by leg odometry: the point of a loaded foot that touches the ground rests. After
 Bloesch et al., "State estimation for legged robots: consistent fusion of leg kinematics and IMU"
 (RSS 2012), with the orientation left to the inertial unit. The force of a foot is that of a
-momentum observer of the slide (De Luca et al., IROS 2006).
+momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of what hip pitch,
+knee and ankle do to the leg's length (virtual work).
 """
 
 from typing import NamedTuple
+
+import numpy as np
 
 from slider.config.env import EstimatorConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import SLIDES
-from slider.robot.bodies import prismatic_bodies, total_mass
-from slider.robot.kinematics import FootMotion, foot_motion
-from slider.robot.names import GRAVITY
+from slider.robot.bodies import own_bodies, total_mass
+from slider.robot.kinematics import FootMotion, foot_motion, stretching
+from slider.robot.names import GRAVITY, JOINTS, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
+_SAGITTAL = [JOINTS.index(f"{side}_hip_pitch") for side in SIDES]
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
 
 
@@ -60,15 +64,15 @@ class Estimate(NamedTuple):
     feet: FootMotion
 
 
-class SlidingLeg(NamedTuple):
+class Leg(NamedTuple):
     """Constants of the force of a foot.
 
     Attributes:
         weight: of the robot [N].
-        mass: of what moves with a slide [kg].
-        moment: of this mass about the hip, with the slide at 0 [kg m].
-        reflected_mass: of rotors and joint on the slide [kg].
-        damping: of the slide [N s/m].
+        mass: of what moves with a slide, or below a knee [kg].
+        moment: of this mass about the hip, with all joints at 0 [kg m].
+        reflected_mass: of rotors and joint on the leg's length [kg].
+        damping: of the leg's length [N s/m].
     """
 
     weight: float
@@ -78,16 +82,18 @@ class SlidingLeg(NamedTuple):
     damping: float
 
     @classmethod
-    def of(cls, robot: RobotConfig) -> "SlidingLeg":
+    def of(cls, robot: RobotConfig) -> "Leg":
         """The nominal robot's."""
-        bodies = prismatic_bodies(robot)
+        bodies, geometry = own_bodies(robot), robot.geometry
         tube, foot = bodies["tube"], bodies["foot"]
+        depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
+        square = float(stretching(geometry, np.zeros(()))[1]) ** 2
         return cls(
             weight=total_mass(bodies) * GRAVITY,
             mass=tube.mass + foot.mass,
-            moment=-tube.mass * tube.com[2] + foot.mass * (robot.geometry.leg_length - foot.com[2]),
-            reflected_mass=float(leg_inertia(robot)[3, 3]),
-            damping=robot.joints["slide"].damping,
+            moment=tube.mass * depth + foot.mass * (geometry.leg_length - foot.com[2]),
+            reflected_mass=float(leg_inertia(robot)[3, 3]) * square,
+            damping=robot.joints["slide"].damping * square,
         )
 
 
@@ -105,8 +111,10 @@ class StateEstimator:
         self, config: EstimatorConfig, robot: RobotConfig, count: int, like: Array
     ) -> None:
         self._config, self._geometry = config, robot.geometry
-        self._slide_efforts = asarray(Transmission.of(robot).matrix[:, SLIDES], like)
-        self._leg = SlidingLeg.of(robot)
+        motors = Transmission.of(robot).matrix
+        self._slide_efforts = asarray(motors[:, SLIDES], like)
+        self._sagittal = [asarray(motors[:, leg : leg + 3], like) for leg in _SAGITTAL]
+        self._leg = Leg.of(robot)
         self._velocity, self._position = zeros((2, count, 3), like)
         self._variance = zeros((count, 2), like)  # of a velocity component, of the height
         self._rates, self._forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
@@ -160,7 +168,7 @@ class StateEstimator:
         self._velocity = xp.where(due, velocity, self._velocity)
         self._position = xp.where(due, position, self._position)
         self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
-        self._rates = xp.where(due, rates[:, SLIDES], self._rates)
+        self._rates = xp.where(due, self._along(measured)[1], self._rates)
         self._forces = xp.where(due, forces, self._forces)
         self._fresh = self._fresh & False
         lifted = config.lifted * self._leg.weight
@@ -168,22 +176,36 @@ class StateEstimator:
         return Estimate(self._velocity, self._position, carried, feet)
 
     def _foot_forces(self, measured: Measurement, feet: FootMotion, elapsed: Array) -> Array:
-        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide.
+        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each leg.
 
         The angular acceleration of the leg, and forces across it, are left out.
         """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
-        rates = measured.joint_velocities[:, SLIDES]
+        force, rates, longer = self._along(measured)
         pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, feet.axes)
-        leg, slides = self._leg, measured.joint_positions[:, SLIDES]
-        pull = leg.mass * pull / period + (leg.moment + leg.mass * slides) * feet.turning**2
-        force = measured.motor_torques @ self._slide_efforts
+        leg = self._leg
+        pull = leg.mass * pull / period + (leg.moment + leg.mass * longer) * feet.turning**2
         change = (rates - self._rates) / period
         force = force - 0.5 * leg.damping * (rates + self._rates)
         force = force + pull - (leg.mass + leg.reflected_mass) * change
         follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
         force = self._forces + follow * (force * feet.axes[..., 2] - self._forces)
         return xp.where(self._fresh[:, None], 0.0, force)
+
+    def _along(self, measured: Measurement) -> tuple[Array, Array, Array]:
+        """Force of the motors along the legs [N], rate of their lengths [m/s], excess [m] (N, 2).
+
+        The excess over the nominal length is a knee's only to first order.
+        """
+        places, rates = (
+            values[:, SLIDES] for values in (measured.joint_positions, measured.joint_velocities)
+        )
+        if self._geometry.knee is None:
+            return measured.motor_torques @ self._slide_efforts, rates, places
+        xp, stretch = namespace(places), stretching(self._geometry, places)
+        efforts = xp.stack([measured.motor_torques @ motors for motors in self._sagittal], axis=1)
+        per_length = stretch[..., 1]
+        return (efforts * stretch).sum(-1), rates / per_length, places / per_length
 
 
 def _odometry(feet: FootMotion) -> tuple[Array, Array]:

@@ -3,16 +3,28 @@
 import numpy as np
 import torch
 
+from slider.config.robot import Geometry
 from slider.core.arrays import Array, tensors
 from slider.env.height_field import fitted
 from slider.env.interface import FLOAT64
 from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
-from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
+from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES, leg_joint
 
+_WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
+_KNEE_WEIGHT = 1.0
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
 _HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
+
+
+def joint_weights(geometry: Geometry) -> np.ndarray:
+    """Weights (12,) of squared deviations from the guide [1/rad² or 1/m²].
+
+    A slide's metre counts like several radians. Passive joints have none.
+    """
+    knee = {} if geometry.knee is None else {"slide": _KNEE_WEIGHT}
+    return np.array([(_WEIGHTS | knee).get(leg_joint(name), 0.0) for name in JOINTS])
 
 
 def observed_channels(view: View) -> Array:
@@ -22,7 +34,7 @@ def observed_channels(view: View) -> Array:
 
 
 class Guide:
-    """Reference samples for N robots.
+    """Reference samples for N robots; ``weights`` (12,) are of joints' squared errors.
 
     The gait in use follows the reference velocity: ``interpolated`` between those of the library,
     or the ``nearest`` of them. Within it the sample follows the clock (``at_phase``) or the state
@@ -33,11 +45,13 @@ class Guide:
         self,
         library: GaitLibrary,
         table: GaitTable,
+        geometry: Geometry,
         gait: str = "interpolated",
         like: torch.Tensor = FLOAT64,
     ) -> None:
         self._library, self._arrays, self._nearest = library, table, gait == "nearest"
-        self._gait, self._like = gait, like
+        self._gait, self._like, self._geometry = gait, like, geometry
+        self.weights = like.new_tensor(joint_weights(geometry))
         self._table = tensors(table, like)
         self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
         self._active = torch.asarray(np.flatnonzero(~_PASSIVE), device=like.device)
@@ -51,7 +65,7 @@ class Guide:
         """The same guide in the precision and on the device of ``like``."""
         if (like.device, like.dtype) == (self._like.device, self._like.dtype):
             return self
-        return Guide(self._library, self._arrays, self._gait, like)
+        return Guide(self._library, self._arrays, self._geometry, self._gait, like)
 
     def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
@@ -66,7 +80,8 @@ class Guide:
         reference = self._table.standing.where(view.halted[:, None], reference)
         state = view.state
         if not state.ground.flat:
-            change = fitted(state.ground, state.foot_positions[..., :2], state.yaw)
+            feet, joints = state.foot_positions[..., :2], reference[:, :NUM_JOINTS]
+            change = fitted(state.ground, feet, state.yaw, self._geometry, joints)
             reference[:, :NUM_JOINTS] += change
         return reference
 

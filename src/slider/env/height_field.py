@@ -7,9 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot import names
-from slider.robot.kinematics import turn_to_heading
+from slider.robot.kinematics import SAGITTAL, stretching, turn_to_heading
 
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
@@ -167,21 +168,25 @@ class ScannedGround:
         return xp.where(seen, heights, self.level[:, None])
 
 
-def fitted(ground: Ground, feet: Array, yaw: Array) -> Array:
+def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: Array) -> Array:
     """Change of joint positions (N, 12) by which legs made for level ground fit to the ground.
 
-    A slide is shorter by as much as the ground under its foot is higher than the mean under both,
-    an ankle is turned by the slope along the heading.
+    A leg is shorter by as much as the ground under its foot is higher than the mean under both, an
+    ankle is turned by the slope along the heading.
 
     Args:
         ground: under the robots.
         feet: middles of the feet (N, 2, 2) [m].
         yaw: headings (N,) [rad].
+        geometry: of the legs.
+        joints: positions (N, 12) about which the change is.
     """
     heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)
     mean, gradient = heights.mean(-1), ground.gradient(feet)
     for leg, side in enumerate(names.SIDES):
         steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
-        result[:, names.JOINTS.index(f"{side}_slide")] = mean - heights[:, leg]
-        result[:, names.JOINTS.index(f"{side}_ankle")] = -namespace(yaw).arctan(steep)
+        pitch, slide, ankle = (names.JOINTS.index(f"{side}_{name}") for name in SAGITTAL)
+        longer = mean - heights[:, leg]
+        result[:, pitch : ankle + 1] = longer[:, None] * stretching(geometry, joints[:, slide])
+        result[:, ankle] -= namespace(yaw).arctan(steep)
     return result

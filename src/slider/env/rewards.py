@@ -23,14 +23,14 @@ from slider.config.types import (
     Share,
     Unit,
 )
-from slider.core.arrays import Array, asarray, namespace
+from slider.core.arrays import Array, namespace
 from slider.core.errors import UserError
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
 from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import ACTUATED, JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
+from slider.robot.names import ACTUATED, NUM_CHANNELS, NUM_JOINTS
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
@@ -42,12 +42,7 @@ _Radians2PerSecond2 = Annotated[float, Unit("rad²/s²"), Field(gt=0, le=1e4)]
 _Metres2PerSecond2 = Annotated[float, Unit("m²/s²"), Field(gt=0, le=1e4)]
 _PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
 _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
-# Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
-# like several radians.
-_WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
-_GUIDE_WEIGHT = np.array([_WEIGHTS.get(leg_joint(name), 0.0) for name in JOINTS])
 _DRIVEN = np.array(ACTUATED)
-_ROOT = np.sqrt(_GUIDE_WEIGHT)
 
 
 @dataclass(frozen=True)
@@ -117,7 +112,7 @@ class RewardView:
         desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
         error = namespace(desired).stack(measured, dim=1) - desired
-        return (asarray(_ROOT, error) * error)[:, :, _DRIVEN]
+        return (self.guide.weights.sqrt() * error)[:, :, _DRIVEN]
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -179,14 +174,14 @@ def heading(r: RewardView, width: _Radians2) -> Array:
 def guide_phase(r: RewardView, width: _Radians2) -> Array:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
-    return _kernel((asarray(_GUIDE_WEIGHT, error) * error**2).sum(dim=1), width)
+    return _kernel((r.guide.weights * error**2).sum(dim=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
 def guide_phase_turning(r: RewardView, width: _Radians2) -> Array:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
-    return _kernel((asarray(_GUIDE_WEIGHT, error) * error**2).sum(dim=1), width)
+    return _kernel((r.guide.weights * error**2).sum(dim=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)

@@ -190,7 +190,9 @@ class Terrain:
         before = self._ends(qpos)
         yaw = yaw_of(rotation_from_quaternion(qpos[:, 3:7]))
         qpos = qpos.copy()
-        qpos[:, 7:] += fitted(ground, before.mean(axis=2)[..., :2], yaw)
+        qpos[:, 7:] += fitted(
+            ground, before.mean(axis=2)[..., :2], yaw, self._geometry, qpos[:, 7:]
+        )
         line = _ALONG[:, None]
         ends = self._ends(qpos)
         points = (1 - line) * ends[:, :, :1] + line * ends[:, :, 1:]

@@ -72,7 +72,7 @@ def task_of(
         env,
         train,
         (times or table.times) if env.phase.enabled else None,
-        Guide(gaits, table, train.guide.gait) if guided else None,
+        Guide(gaits, table, robot.geometry, train.guide.gait) if guided else None,
         table.joints if env.action.offset == "gait" else None,
     )
 

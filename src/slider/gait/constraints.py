@@ -254,9 +254,15 @@ def of_walk(
 
 
 def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle."""
-    joints, posture = form.robot.joints, form.config.posture
+    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle.
+
+    ``posture`` bounds the flexion; a knee of the robot's own counts from its nominal one.
+    """
+    joints, posture, bend = form.robot.joints, form.config.posture, form.robot.geometry.bend
     yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
-    lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], len(SIDES))
-    upper = np.tile([yaw.upper, roll.upper, free, posture.knee_max, free], len(SIDES))
+    knee = np.array([posture.knee_min, posture.knee_max])
+    if bend:
+        knee = np.sort(np.sign(bend) * knee - bend)
+    lower = np.tile([yaw.lower, roll.lower, -free, knee[0], -free], len(SIDES))
+    upper = np.tile([yaw.upper, roll.upper, free, knee[1], free], len(SIDES))
     return lower, upper

@@ -24,11 +24,11 @@ from slider.gait.tree import (
     edges_of,
     knee_leg,
     next_pose,
-    prismatic_leg,
+    own_leg,
     rotation,
 )
 from slider.robot import names
-from slider.robot.bodies import Body, knee_bodies, prismatic_bodies
+from slider.robot.bodies import Body, knee_bodies, own_bodies
 from slider.robot.transmission import leg_inertia
 
 # Of a body in its own frame: angular velocity, angular acceleration, the origin's less gravity.
@@ -54,12 +54,16 @@ class InverseDynamics:
 class StanceTree:
     """The virtual-knee robot standing on its left foot."""
 
+    UPPER_LINK = "thigh"  # below the pitch axis
+
     def __init__(self, robot: Mechanism) -> None:
-        geometry = robot.geometry
-        self.map = LegMap.of(robot.virtual_knee, geometry.leg_length)
-        self.bodies = _both_legs(knee_bodies(robot))
-        self.edges = edges_of(knee_leg(geometry.axes, robot.virtual_knee))
-        self.sole = np.array([0.0, 0.0, -geometry.ankle_height])  # in the foot's frame [m]
+        self.map = LegMap.of(robot)
+        self.bodies, self.edges = self._tree(robot)
+        self.sole = np.array([0.0, 0.0, -robot.geometry.ankle_height])  # in the foot's frame [m]
+
+    def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
+        leg = knee_leg(robot.geometry.axes, robot.sliding_leg)
+        return _both_legs(knee_bodies(robot)), edges_of(leg)
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
         """The stance foot; the middle of its line is the world's origin."""
@@ -108,17 +112,19 @@ class StanceTree:
         return r @ dynamics.force, r @ moment
 
 
-class SlideTree(StanceTree):
+class OwnTree(StanceTree):
     """The real robot standing on its left foot, in the coordinates of its own joints."""
+
+    UPPER_LINK = "pitch"
 
     def __init__(self, robot: Mechanism) -> None:
         super().__init__(robot)
-        self.bodies = _both_legs(prismatic_bodies(robot))
-        geometry = robot.geometry
-        self.edges = edges_of(prismatic_leg(geometry.axes, geometry.leg_length))
         damping = [robot.joints[name].damping for name in names.LEG_JOINTS[:LEG_JOINTS]]
         self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
         self._damping = ca.DM(np.tile(damping, 2))
+
+    def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
+        return _both_legs(own_bodies(robot)), edges_of(own_leg(robot.geometry))
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
@@ -132,10 +138,10 @@ class PrismaticTree(StanceTree):
 
     def __init__(self, robot: Mechanism) -> None:
         super().__init__(robot)
-        self._slides = SlideTree(robot)
+        self._slides = OwnTree(robot)
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
-        """As :meth:`SlideTree.newton_euler`; torques are the virtual knee's."""
+        """As :meth:`OwnTree.newton_euler`; torques are the virtual knee's."""
         place, rate = self.map.positions(q), self.map.velocities(q, v)
         turn = self.map.accelerations(q, v, a)
         dynamics = self._slides.newton_euler(foot, place, rate, turn)

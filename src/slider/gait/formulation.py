@@ -15,9 +15,9 @@ import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.config.robot import Mechanism, leg_scale
-from slider.gait.dynamics import PrismaticTree, StanceTree
+from slider.gait.dynamics import OwnTree, PrismaticTree, StanceTree
 from slider.gait.tree import NUM_JOINTS, STANCE, SWING, rotation
-from slider.robot.bodies import knee_bodies, total_mass
+from slider.robot.bodies import knee_bodies, own_bodies, total_mass
 from slider.robot.names import ACTUATED, GRAVITY
 from slider.robot.transmission import Transmission
 
@@ -39,7 +39,9 @@ class Formulation:
 
     @cached_property
     def tree(self) -> StanceTree:
-        """Kinematics and dynamics on the left foot: of the prismatic leg or the virtual knee."""
+        """Kinematics and dynamics on the left foot: of the leg as it is, or the virtual knee."""
+        if self.robot.virtual_knee is None:
+            return OwnTree(self.robot)
         return (StanceTree if self.config.dynamics == "knee" else PrismaticTree)(self.robot)
 
     @property
@@ -55,7 +57,8 @@ class Formulation:
     @cached_property
     def weight(self) -> float:
         """m g [N]."""
-        return total_mass(knee_bodies(self.robot)) * GRAVITY
+        bodies = own_bodies if self.robot.virtual_knee is None else knee_bodies
+        return total_mass(bodies(self.robot)) * GRAVITY
 
     @property
     def leg_scale(self) -> float:
@@ -163,12 +166,13 @@ class Node:
     def leg_distances(self) -> list[ca.SX]:
         """Lateral, in the base's axes, of foot ends from foot ends and of tube top from tube top.
 
-        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart.
+        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart. The
+        top of a leg with a knee is taken as far beyond the hip, on the line from the ankle.
         """
         feet = [self.foot_ends(leg) for leg in (STANCE, SWING)]
-        tops, geometry = [], self.form.robot.geometry
+        tops, geometry, upper = [], self.form.robot.geometry, self.form.tree.UPPER_LINK
         for leg in (STANCE, SWING):  # the upper foot's axis is beyond the hip, seen from the ankle
-            hip, ankle = self.poses[f"{leg}_thigh"].origin, self.poses[f"{leg}_foot"].origin
+            hip, ankle = self.poses[f"{leg}_{upper}"].origin, self.poses[f"{leg}_foot"].origin
             way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
             tops.append(ankle + way * (hip - ankle))
         pairs = [*((left, right) for left in feet[0] for right in feet[1]), tops]

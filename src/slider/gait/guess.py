@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slider.config.gait import StartSpread
+from slider.config.robot import Mechanism
 from slider.gait.problem import GaitProblem
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
@@ -28,14 +29,19 @@ STARTS = {
 
 
 def cold_start(
-    layout: Layout, vx: float, degree: int, duration: tuple[float, float], start: Start
+    layout: Layout,
+    robot: Mechanism,
+    vx: float,
+    degree: int,
+    duration: tuple[float, float],
+    start: Start,
 ) -> np.ndarray:
     """Variables (size,) of a gait at forward speed vx [m/s], of a leg as long as SLIDER's.
 
     ``duration``: bounds of the step time [s].
     """
     step_time = float(np.clip(start.stride / max(abs(vx), 1e-9), *duration))
-    angles = crouched_walk(vx * step_time / 2 / LEG, degree + 1, start.crouch)
+    angles = crouched_walk(robot, vx * step_time / 2 / LEG, degree + 1, start.crouch)
     return variables_of(layout, np.stack([angles, angles]), step_time)
 
 
@@ -46,16 +52,21 @@ def variables_of(layout: Layout, coefficients: np.ndarray, step_time: float) -> 
     return np.concatenate([np.concatenate([each, [step_time], rolls]) for each in joints])
 
 
-def crouched_walk(swing: float, count: int, crouch: float) -> np.ndarray:
-    """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical."""
-    s = np.linspace(0.0, 1.0, count)
+def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> np.ndarray:
+    """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical.
+
+    Knees of the robot's own bend from their nominal flexion in their own sense.
+    """
+    s, bend = np.linspace(0.0, 1.0, count), robot.geometry.bend
+    sense = np.sign(bend) or -1.0  # about y; the virtual knee's axis is −y, and it is straight at 0
     joints = np.zeros((NUM_JOINTS, count))
     stance = swing * (1 - 2 * s)
     bent = crouch + BUMP * np.sin(np.pi * s)
     for leg, forward, flexion in ((0, stance, crouch + 0 * s), (LEG_JOINTS, -stance, bent)):
-        joints[leg + 2] = flexion / 2 - forward
-        joints[leg + 3] = flexion
-        joints[leg + 4] = flexion / 2 + forward
+        turn = sense * flexion - bend
+        joints[leg + 2] = -turn / 2 - forward
+        joints[leg + 3] = turn if bend else -turn
+        joints[leg + 4] = -turn / 2 + forward
     return joints
 
 
@@ -74,7 +85,8 @@ def random_start(
     crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
     stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
     leg = LEG * problem.form.leg_scale
-    walk = crouched_walk(stride / 2 / leg, problem.form.config.degree + 1, crouch)
+    robot, degree = problem.form.robot, problem.form.config.degree
+    walk = crouched_walk(robot, stride / 2 / leg, degree + 1, crouch)
     noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
     start = variables_of(problem.layout, walk + noise, step_time)
     return np.clip(start, *problem.variable_bounds(duration))

@@ -17,19 +17,19 @@ NUM_COORDINATES = JOINTS + NUM_JOINTS
 STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
 
 _HIP = 3  # yaw, roll and pitch of a hip turn in this order
-_PITCH, ANKLE = 2, 4
+_PITCH, EXTENSION, ANKLE = 2, 3, 4
 _DRIVEN = np.array(ACTUATED)
 _SIGN = np.array(LEG_MIRROR_SIGN[:LEG] * len(SIDES))
 _SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 
-def output_matrix(kind: str) -> np.ndarray:
-    """H (10, 12).
+def output_matrix(kind: str, knee: bool = False) -> np.ndarray:
+    """H (10, 12) of legs that slide, or have a ``knee``.
 
     ``joints``: the joints themselves. ``absolute``: yaw, roll and pitch of torso, swing leg and
     (pitch only) swing foot with respect to ground and heading in place of their joints (small
-    angles), both slides, the stance ankle and the swing hip's share; the torso then stays upright
-    where the stance foot rolls.
+    angles), both slides or knees, the stance ankle and the swing hip's share; the torso then stays
+    upright where the stance foot rolls.
     """
     matrix = np.zeros((NUM_JOINTS, NUM_COORDINATES))
     matrix[:, JOINTS:] = np.eye(NUM_JOINTS)
@@ -39,9 +39,13 @@ def output_matrix(kind: str) -> np.ndarray:
     torso[0, YAW] = torso[1, ROLL] = 1.0
     torso[np.arange(_HIP), STANCE + np.arange(_HIP)] = -1.0
     torso[_PITCH, STANCE + ANKLE] = -1.0
+    if knee:
+        torso[_PITCH, STANCE + EXTENSION] = -1.0
     matrix[:_HIP] = torso
     matrix[LEG : LEG + _HIP] += torso
     matrix[LEG + ANKLE] += matrix[LEG + _PITCH]
+    if knee:
+        matrix[LEG + ANKLE, SWING + EXTENSION] += 1.0
     return matrix
 
 

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from slider.config.robot import Mechanism
-from slider.gait.dynamics import SlideTree
+from slider.gait.dynamics import OwnTree
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.tree import NUM_JOINTS, BodyPose
 from slider.robot.names import ACTUATED
@@ -30,7 +30,7 @@ class RootedRobot:
     """Symbolic functions of q and q̇ (11,), the rotors and the damping of the joints included."""
 
     def __init__(self, robot: Mechanism) -> None:
-        self.tree = SlideTree(robot)
+        self.tree = OwnTree(robot)
         self.q, self.v, self._a = q, v, a = [ca.SX.sym(name, NUM) for name in "qva"]
         motion = self.tree.inverse_dynamics(q[0], v[0], a[0], q[1:], v[1:], a[1:])
         line_moment = self.tree.line_wrench(q[0], motion)[1][0]
@@ -73,7 +73,10 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     rooted, motors = RootedRobot(robot), Transmission.of(robot)
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
-    rows = np.tile(np.delete(output_matrix("absolute"), YAW, axis=1), (len(q), 1, 1))
+    rows = np.tile(
+        np.delete(output_matrix("absolute", robot.virtual_knee is None), YAW, axis=1),
+        (len(q), 1, 1),
+    )
     if by_hip:
         hip = ca.gradient(rooted.poses(rooted.q)["base"].origin[0], rooted.q)
         rows[:, ANKLE] = ca.Function("hip", [rooted.q], [hip]).map(len(q))(q.T).full().T

@@ -259,7 +259,8 @@ class GaitSolver:
         if isinstance(guess, str):
             form, duration = self.problem.form, duration_bounds(self._step_time, *velocity[:2])
             vx, degree = velocity[0] / form.leg_scale, form.config.degree
-            guess = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
+            layout, start = self.problem.layout, STARTS[guess]
+            guess = cold_start(layout, form.robot, vx, degree, duration, start)
         return self._ipopt(False), self._call(self._ipopt(False), velocity, x0=guess)
 
     def _call(

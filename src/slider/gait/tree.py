@@ -15,7 +15,7 @@ from functools import wraps
 import casadi as ca
 import numpy as np
 
-from slider.config.robot import HipAxes, VirtualKnee
+from slider.config.robot import Geometry, HipAxes, Mechanism, VirtualKnee
 from slider.robot.names import KNEE_JOINTS, KNEE_LEG_JOINTS
 
 NUM_JOINTS, LEG_JOINTS = len(KNEE_JOINTS), len(KNEE_LEG_JOINTS)
@@ -83,10 +83,14 @@ def knee_leg(axes: HipAxes, knee: VirtualKnee) -> list[Link]:
     return [*_hip(axes, "thigh"), shank, ("foot", 1, 1.0, [0.0, 0.0, -knee.shank_length], False)]
 
 
-def prismatic_leg(axes: HipAxes, leg_length: float) -> list[Link]:
-    """The slide lowers the tube along −z."""
+def own_leg(geometry: Geometry) -> list[Link]:
+    """The slide lowers the tube along −z; or the knee turns it about y."""
+    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
     tube = ("tube", 2, -1.0, [0.0, 0.0, 0.0], True)
-    return [*_hip(axes, "pitch"), tube, ("foot", 1, 1.0, [0.0, 0.0, -leg_length], False)]
+    if geometry.knee is not None:
+        tube = ("tube", 1, 1.0, [x, y, z], False)
+    foot = ("foot", 1, 1.0, [-x + 0.0, -y + 0.0, -geometry.leg_length - z], False)
+    return [*_hip(geometry.axes, "pitch"), tube, foot]
 
 
 def _hip(axes: HipAxes, below: str) -> list[Link]:
@@ -142,6 +146,8 @@ def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
 class LegMap:
     """Hip pitch, leg length and ankle of the prismatic leg over the knee's flexion θ.
 
+    Of a leg that has a knee it is the identity: its gaits are in the leg's own coordinates.
+
     Attributes:
         shifts: θ → what adds to (hip pitch, 0, ankle) and the leg length (3,) [rad, m, rad].
         slopes, curvatures: first and second derivatives of these by θ.
@@ -154,19 +160,21 @@ class LegMap:
     nominal: float
 
     @classmethod
-    def of(cls, knee: VirtualKnee, leg_length: float) -> "LegMap":
-        """The map of a virtual knee."""
-        l1, l2 = knee.thigh_length, knee.shank_length
-        theta = ca.SX.sym("theta")
-        hip = ca.atan2(l2 * ca.sin(theta), l1 + l2 * ca.cos(theta))
-        length = ca.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * ca.cos(theta))
-        values = ca.vertcat(-hip, length, hip - theta)
+    def of(cls, robot: Mechanism) -> "LegMap":
+        """The map of a robot's virtual knee, or of its knee."""
+        theta, nominal = ca.SX.sym("theta"), 0.0
+        values = ca.vertcat(0, theta, 0)
+        if robot.virtual_knee is not None:
+            l1, l2 = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
+            hip = ca.atan2(l2 * ca.sin(theta), l1 + l2 * ca.cos(theta))
+            length = ca.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * ca.cos(theta))
+            values, nominal = ca.vertcat(-hip, length, hip - theta), robot.geometry.leg_length
         slopes = ca.jacobian(values, theta)
         return cls(
             ca.Function("shifts", [theta], [values]),
             ca.Function("slopes", [theta], [slopes]),
             ca.Function("curvatures", [theta], [ca.jacobian(slopes, theta)]),
-            leg_length,
+            nominal,
         )
 
     @_each_leg

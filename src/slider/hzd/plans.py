@@ -41,7 +41,7 @@ class StepPlan:
     placement: np.ndarray
     duration: np.ndarray
     clock: np.ndarray
-    lengths: KneeLengths
+    lengths: KneeLengths | None
 
     @property
     def hip_share(self) -> np.ndarray:

@@ -72,6 +72,11 @@ class ClosedLoop:
     model: RootedModel
     config: StabilityConfig
 
+    @property
+    def outputs(self) -> np.ndarray:
+        """H (10, 12)."""
+        return output_matrix(self.config.outputs, self.model.has_knee)
+
     def step(
         self,
         plan: StepPlan,
@@ -239,7 +244,7 @@ class _Steps:
 
     @cached_property
     def _outputs(self) -> np.ndarray:
-        return output_matrix(self.config.outputs)
+        return output_matrix(self.config.outputs, self.model.has_knee)
 
     @cached_property
     def _columns(self) -> np.ndarray:

@@ -36,8 +36,8 @@ class Body:
         return Body(self.mass, self.com * _REFLECTION + 0.0, turned + 0.0)
 
 
-def prismatic_bodies(robot: Mechanism) -> dict[str, Body]:
-    """``base``, and ``yaw``, ``roll``, ``pitch``, ``tube``, ``foot`` of one prismatic leg."""
+def own_bodies(robot: Mechanism) -> dict[str, Body]:
+    """``base``, and ``yaw``, ``roll``, ``pitch``, ``tube``, ``foot`` of one leg as it is built."""
     links = robot.links
     bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll", "pitch")}
     tube = joined(_body(links.tube), _upper_foot(robot))
@@ -48,7 +48,7 @@ def knee_bodies(robot: Mechanism) -> dict[str, Body]:
     """``base``, and ``yaw``, ``roll``, ``thigh``, ``shank``, ``foot`` of one virtual-knee leg."""
     links = robot.links
     bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll")}
-    knee = robot.virtual_knee
+    knee = robot.sliding_leg
     shank = _part(links.tube, knee.shank_mass_fraction, -knee.shank_length / 2)
     return bodies | {"thigh": _thigh(robot), "shank": shank, "foot": _body(links.foot)}
 
@@ -89,7 +89,7 @@ def _part(tube: Link, share: float, height: float) -> Body:
 
 def _thigh(robot: Mechanism) -> Body:
     """Pitch link, upper foot and the tube's rest, which lies where the leg's mass balances."""
-    geometry, links, knee = robot.geometry, robot.links, robot.virtual_knee
+    geometry, links, knee = robot.geometry, robot.links, robot.sliding_leg
     rest = 1 - knee.shank_mass_fraction
     tube, upper = links.tube, links.upper_foot
     l1, l2 = knee.thigh_length, knee.shank_length

@@ -1,4 +1,4 @@
-"""Forward kinematics of the prismatic legs, vectorised over robots."""
+"""Forward kinematics of the legs, vectorised over robots. With a knee ``slide`` is its angle."""
 
 from typing import NamedTuple
 
@@ -66,13 +66,16 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     return namespace(joints).stack(ends, axis=1)
 
 
+SAGITTAL = ("hip_pitch", "slide", "ankle")  # along which a leg stretches
+
+
 class FootMotion(NamedTuple):
     """Ends of both feet of N robots as they move relative to the base origin, in world axes.
 
     Attributes:
         positions: lowest points of heel and toe (N, 2, 2, 3) [m].
         velocities: of the foot's material at these points (N, 2, 2, 3) [m/s].
-        axes: unit vectors from ankle to hip along the slides (N, 2, 3).
+        axes: unit vectors from ankle to hip (N, 2, 3).
         turning: how fast these axes turn (N, 2) [rad/s].
     """
 
@@ -107,10 +110,20 @@ def foot_motion(
         ):
             velocity = velocity + xp.linalg.cross(omega, following - place)
             omega, place = omega + axis * speed[:, None], following
-        axes[:, leg] = tube[:, :, 2]
-        turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
-        velocity = velocity + xp.linalg.cross(omega, ankle - place)
-        velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
+        if geometry.knee is None:
+            axes[:, leg] = tube[:, :, 2]
+            turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
+            velocity = velocity + xp.linalg.cross(omega, ankle - place)
+            velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
+        else:
+            hip, hip_velocity = place, velocity
+            velocity = velocity + xp.linalg.cross(omega, links.knee - place)
+            omega = omega + tube[:, :, 1] * rate[:, _SLIDE, None]
+            velocity = velocity + xp.linalg.cross(omega, ankle - links.knee)
+            length = xp.linalg.vector_norm(hip - ankle, axis=1)[:, None]
+            axes[:, leg] = (hip - ankle) / length
+            across = xp.linalg.cross(axes[:, leg], velocity - hip_velocity) / length
+            turns[:, leg] = xp.linalg.vector_norm(across, axis=1)
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
         positions[:, leg] = _ends(geometry, ankle, tube, joints, leg)
         arms = positions[:, leg] - ankle[:, None]
@@ -120,6 +133,8 @@ def foot_motion(
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Hip, ankle, top of the tube, and ends of the upper foot, relative to the base origin [m].
+
+    Of a leg with a knee: hip, ankle, knee, and ends of the thigh.
 
     Args:
         rotation: base to world (N, 3, 3).
@@ -132,6 +147,10 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     for leg in range(2):
         links = _leg(geometry, rotation, joints, leg)
         tube, ankle = links.tube, links.ankle
+        if geometry.knee is not None:
+            chain = links.hip_pitch, ankle, links.knee, links.knee, links.hip_pitch
+            points[:, leg] = xp.stack(chain, axis=1)
+            continue
         top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
         upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
         points[:, leg, :3] = xp.stack([links.hip_pitch, ankle, top], axis=1)
@@ -146,6 +165,7 @@ class _Leg(NamedTuple):
     hip_yaw: Array  # (N, 3) [m]
     hip_roll: Array
     hip_pitch: Array
+    knee: Array  # of a leg that slides the hip
     ankle: Array
     yaw: Array  # (N, 3, 3)
     tube: Array
@@ -162,9 +182,33 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
     tube = roll @ _about_y(q[:, _PITCH])
     hip_yaw = rotation @ to_yaw
     hip_roll = hip_yaw + yaw @ to_roll
-    hip = hip_roll + roll @ to_pitch
-    ankle = hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
-    return _Leg(hip_yaw, hip_roll, hip, ankle, yaw, tube)
+    knee = hip = hip_roll + roll @ to_pitch
+    if geometry.knee is None:
+        ankle = hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
+    else:
+        x, y, z = geometry.knee
+        knee = hip + tube @ asarray([x, side * y, z], joints)
+        tube = tube @ _about_y(q[:, _SLIDE])
+        ankle = knee + tube @ asarray([-x, -side * y, -geometry.leg_length - z], joints)
+    return _Leg(hip_yaw, hip_roll, hip, knee, ankle, yaw, tube)
+
+
+def stretching(geometry: Geometry, extension: Array) -> Array:
+    """Hip pitch, slide or knee, and ankle per length of the leg [m] at slides or knees (...).
+
+    Along (..., 3) the leg gets longer, its direction and the foot's stay.
+    """
+    xp, zero = namespace(extension), 0.0 * extension
+    if geometry.knee is None:
+        return xp.stack([zero, zero + 1.0, zero], axis=-1)
+    x, z, length = geometry.knee[0], geometry.knee[2], geometry.leg_length
+    sine, cosine = xp.sin(extension), xp.cos(extension)
+    along, down = -x * cosine - (length + z) * sine, x * sine - (length + z) * cosine  # the shank
+    far, deep = x + along, z + down  # from hip to ankle, in the pitch link's frame
+    square = far**2 + deep**2
+    turn = (down * deep + far * along) / square  # of the leg per angle of the knee
+    grown = (far * down - deep * along) / xp.sqrt(square)
+    return xp.stack([-turn, zero + 1.0, turn - 1.0], axis=-1) / grown[..., None]
 
 
 def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:

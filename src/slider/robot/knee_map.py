@@ -116,8 +116,11 @@ def prismatic_joints(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities (N, 12) of the prismatic robot of knee legs (N, 10): eq. 1.
 
-    Upper feet rest; ``slide`` is zero at the nominal leg length.
+    Upper feet rest; ``slide`` is zero at the nominal leg length. Of a leg that has a knee q and v
+    are its own.
     """
+    if robot.virtual_knee is None:
+        return with_upper_feet(q), with_upper_feet(v)
     lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
     position, velocity = q.copy(), v.copy()
     place = positions(q[_PITCH], q[_KNEE], q[_ANKLE], *lengths, variant)
@@ -137,18 +140,24 @@ class KneeLengths:
     nominal: float
 
     @classmethod
-    def of(cls, robot: Mechanism) -> "KneeLengths":
-        """The virtual leg of a robot."""
+    def of(cls, robot: Mechanism) -> "KneeLengths | None":
+        """The virtual leg of a robot; none of a leg that has a knee."""
         knee = robot.virtual_knee
+        if knee is None:
+            return None
         return cls(knee.thigh_length, knee.shank_length, robot.geometry.leg_length)
 
 
-def prismatic_motion(q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths) -> Motion:
+def prismatic_motion(
+    q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths | None
+) -> Motion:
     """Driven prismatic joints (..., 10) of knee legs, with first and second derivatives: eq. 1.
 
     q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k with the exact geometry; derivatives over time or over
-    anything else.
+    anything else. Without ``lengths`` the joints are the leg's own.
     """
+    if lengths is None:
+        return q, v, a
     l1, l2 = lengths.thigh, lengths.shank
     position, rate, turn = q.copy(), v.copy(), a.copy()
     triangle = _Triangle(q[_KNEE], l1, l2)

@@ -140,17 +140,18 @@ def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -
         rgba=[0.35, 0.37, 0.4, 1],
     )
     pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch, pitch)
-    tube = _add_link(pitch, robot, side, "slide", links.tube)
+    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
+    knee, ankle = [x, sign * y, z], [-x + 0.0, -sign * y + 0.0, -geometry.leg_length - z]
+    tube = _add_link(pitch, robot, side, "slide", links.tube, knee)
     # The collision tube ends above the ankle, so that the foot alone touches the ground.
-    _add_geom(
-        tube,
-        names.tube(side),
-        capsule,
-        size=[geometry.tube_radius, 0, 0],
-        fromto=[0, 0, geometry.upper_foot_height, 0, 0, -geometry.leg_length + 0.05],
-        rgba=[0.12, 0.12, 0.13, 1],
-    )
-    foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
+    rod = {"size": [geometry.tube_radius, 0, 0], "rgba": [0.12, 0.12, 0.13, 1]}
+    top, end = [0.0, 0.0, geometry.upper_foot_height], [*ankle[:2], ankle[2] + 0.05]
+    if geometry.knee is not None:
+        top = [0.0, 0.0, 0.0]
+        thigh = _add_geom(pitch, f"{side}_thigh", capsule, fromto=[*top, *knee], **rod)
+        thigh.conaffinity = 0  # for films
+    _add_geom(tube, names.tube(side), capsule, fromto=[*top, *end], **rod)
+    foot = _add_link(tube, robot, side, "ankle", links.foot, ankle)
     height = geometry.ankle_height - geometry.foot_radius
     line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
     line.friction = [robot.contact.friction, 0.005, 0.0001]
@@ -160,6 +161,8 @@ def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -
     place = [0, 0, geometry.upper_foot_height]
     upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place)
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
+    if geometry.knee is not None:
+        line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
     line.conaffinity = 0  # far above the ground
 
 
@@ -193,11 +196,11 @@ def _add_link(
     config, drive = robot.joints[joint], robot.drives.get(joint)
     body_name = names.foot(side) if joint == "ankle" else f"{side}_{joint}"
     body = parent.add_body(name=body_name, pos=pos or [0, 0, 0])
-    slide = joint == "slide"
+    slide = joint == "slide" and robot.geometry.knee is None
     body.add_joint(
         name=f"{side}_{joint}",
         type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
-        axis=_AXES[joint],
+        axis=_AXES["ankle" if joint == "slide" and not slide else joint],
         limited=mujoco.mjtLimited.mjLIMITED_TRUE,
         range=[config.lower, config.upper],
         armature=config.armature + (0.0 if drive is None else drive.inertia),

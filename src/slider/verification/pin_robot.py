@@ -75,7 +75,7 @@ class PinRobot:
 
         q (10,) are positions of the knee legs.
         """
-        jacobian = slide_jacobian(q, self.lengths)
+        jacobian = np.eye(len(q)) if self.lengths is None else slide_jacobian(q, self.lengths)
         if self._slides:
             return jacobian.T @ forces, forces
         return forces, np.linalg.solve(jacobian.T, forces)
@@ -233,14 +233,16 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
         pair = 2.0 * robot.drives["capstan"].inertia
         rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
     upper = _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
-    down = pin.JointModelPrismaticUnaligned(-_UP)
-    axes = geometry.axes
+    extension, axes = pin.JointModelPrismaticUnaligned(-_UP), geometry.axes
+    knee, ankle = np.zeros(3), -geometry.leg_length * _UP
+    if geometry.knee is not None:
+        extension, knee = pin.JointModelRY(), np.array(geometry.knee)
     chain = {
         "hip_yaw": (pin.JointModelRZ(), np.array(axes.hip_yaw), _inertia_of(links.yaw)),
         "hip_roll": (pin.JointModelRX(), np.array(axes.hip_roll), _inertia_of(links.roll)),
         "hip_pitch": (pin.JointModelRY(), np.array(axes.hip_pitch), _inertia_of(links.pitch)),
-        "slide": (down, np.zeros(3), _inertia_of(links.tube) + upper),
-        "ankle": (pin.JointModelRY(), -geometry.leg_length * _UP, _inertia_of(links.foot)),
+        "slide": (extension, knee, _inertia_of(links.tube) + upper),
+        "ankle": (pin.JointModelRY(), ankle - knee, _inertia_of(links.foot)),
     }
     return [
         _LegJoint(kind, place, body, rotors[name] + joint.armature, joint.damping)
@@ -251,7 +253,7 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
 
 def _knee_leg(robot: Mechanism) -> list[_LegJoint]:
     """Hip, virtual knee and ankle, without rotors and friction."""
-    links, knee, axes = robot.links, robot.virtual_knee, robot.geometry.axes
+    links, knee, axes = robot.links, robot.sliding_leg, robot.geometry.axes
     shank_part = _inertia_of(links.tube, knee.shank_mass_fraction)
     shank_part.lever = -knee.shank_length / 2 * _UP
     bend = pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))
@@ -270,7 +272,7 @@ def _thigh(robot: Mechanism) -> pin.Inertia:
     The rest's place balances the leg: at the nominal length, with the knee bent, the first moment
     of all links along the line from hip to ankle is that of the prismatic leg.
     """
-    links, geometry, knee = robot.links, robot.geometry, robot.virtual_knee
+    links, geometry, knee = robot.links, robot.geometry, robot.sliding_leg
     l1, l2, length = knee.thigh_length, knee.shank_length, geometry.leg_length
     along = (l1**2 + length**2 - l2**2) / (2 * l1 * length)  # cosine between thigh and leg
     fixed = _inertia_of(links.pitch)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.control.hzd.motion import SLIDE, hip, uneven
+from slider.control.hzd.motion import hip, uneven
 from slider.control.whole_body.memory import RIGHT, Memory
 from slider.env.height_field import FLAT
 from slider.gait.outputs import ANKLE, STANCE, SWING
@@ -11,7 +11,7 @@ from tests.control.hzd.test_steps import COUNT, ROBOTS, standing
 
 SLOPE = np.array([0.1, -0.05])  # rise over run along x and y
 FOOTHOLDS = np.tile([[0.0, 0.1], [-0.3, -0.1], [0.4, -0.1]], (COUNT, 1, 1))
-SLIDES = [STANCE + SLIDE, SWING + SLIDE]
+SLIDES = [STANCE + 3, SWING + 3]
 ANKLES = [STANCE + ANKLE, SWING + ANKLE]
 
 
@@ -37,7 +37,7 @@ def change(ground, phase: float, heading: float = 0.0):
     """Of the coordinates, with derivatives."""
     memory = Memory.on_both_feet(np.zeros((COUNT, 3)), np.full(COUNT, heading))
     memory.ground = ground
-    return uneven(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase))
+    return uneven(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), np.array([0.0, 1.0, 0.0]))
 
 
 @pytest.mark.parametrize(("phase", "legs"), [(0, [0, 0]), (0.5, [0.01, -0.01]), (1, [0.02, -0.02])])

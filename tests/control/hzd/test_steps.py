@@ -14,7 +14,6 @@ from slider.control.whole_body.controller import PlantModel
 from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.evaluation.gait_walks import first_samples
-from slider.robot.knee_map import KneeLengths
 from slider.robot.mjcf import nominal_qpos
 from tests.control.hzd.test_controller import controlled, gaits
 from tests.env.synthetic import config, robot_config
@@ -52,7 +51,7 @@ def walking(
     settings, recorded, read = settings or control(), copy(gaits()), []
     recorded.at = lambda at, stance: read.append(at.copy()) or gaits().at(at, stance)
     plant = PlantModel(robot_config(), settings, settings.descent, TICK)
-    steps = HzdSteps(settings, recorded, KneeLengths.of(robot_config()), plant)
+    steps = HzdSteps(robot_config(), settings, recorded, plant)
     memory = Memory.on_both_feet(np.tile(velocity, (COUNT, 1)), np.zeros(COUNT))
     memory.mode[:], memory.walked[:] = WALK, 10.0
     memory.previous[:] = velocity[:2]

@@ -13,6 +13,7 @@ from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapp
 from slider.gait.outputs import (
     ANKLE,
     JOINTS,
+    LEG,
     NUM_COORDINATES,
     STANCE,
     SWING,
@@ -24,7 +25,7 @@ from slider.hzd.constraints import Orders, smooth_step
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import ACTUATED
 
-SLIDE = 3  # place of the slide in a leg
+STRETCH = slice(2, 5)  # hip pitch, slide or knee, and ankle in a leg
 _DRIVEN = np.array(ACTUATED)
 _ROWS = np.zeros((2, NUM_COORDINATES, NUM_DOFS))  # in left and right stance: of the driven joints
 _ROWS[:, JOINTS:, 6:] = stance_selection(np.array([False, True]))
@@ -85,7 +86,13 @@ def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
     return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
 
 
-def uneven(memory: Memory, robots: np.ndarray, footholds: np.ndarray, phase: np.ndarray) -> Orders:
+def uneven(
+    memory: Memory,
+    robots: np.ndarray,
+    footholds: np.ndarray,
+    phase: np.ndarray,
+    stretch: np.ndarray,
+) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
 
     Gaits are those of level ground. As in :func:`slider.env.height_field.fitted`, the base counts
@@ -100,6 +107,7 @@ def uneven(memory: Memory, robots: np.ndarray, footholds: np.ndarray, phase: np.
         robots: indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
         phase: (n,).
+        stretch: of hip pitch, slide or knee, and ankle per length of the leg (3,).
     """
     ground = memory.ground.of(robots)
     height, slope = ground.height(footholds, gaps=False), ground.gradient(footholds)
@@ -109,11 +117,12 @@ def uneven(memory: Memory, robots: np.ndarray, footholds: np.ndarray, phase: np.
     rise, turn = following - last, after - before
     middle = last + rise * phase, rise, np.zeros_like(rise)
     orders = np.zeros((3, len(phase), NUM_COORDINATES))
+    stance, swing = (orders[:, :, leg + JOINTS :][..., STRETCH] for leg in (0, LEG))
     for order, (lift, share) in enumerate(zip(middle, smooth_step(phase), strict=True)):
-        orders[order, :, STANCE + SLIDE] = lift / 2
-        orders[order, :, SWING + SLIDE] = lift / 2 - rise * share
-        orders[order, :, SWING + ANKLE] = -turn * share
-    orders[0, :, SWING + SLIDE] -= last
+        stance[order] = (lift / 2)[:, None] * stretch
+        swing[order] = (lift / 2 - rise * share)[:, None] * stretch
+        orders[order, :, SWING + ANKLE] -= turn * share
+    swing[0] -= last[:, None] * stretch
     orders[0, :, SWING + ANKLE] -= before
-    orders[0, :, STANCE + ANKLE] = -under
+    orders[0, :, STANCE + ANKLE] -= under
     return orders[0], orders[1], orders[2]

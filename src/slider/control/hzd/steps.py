@@ -7,7 +7,7 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
-from slider.control.hzd.motion import SLIDE, Motion, hip, motion, section, side_of, uneven
+from slider.control.hzd.motion import STRETCH, Motion, hip, motion, section, side_of, uneven
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
@@ -17,7 +17,7 @@ from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
 from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
-from slider.robot.kinematics import turn_to_heading
+from slider.robot.kinematics import stretching, turn_to_heading
 from slider.robot.knee_map import KneeLengths
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
@@ -28,7 +28,7 @@ def hzd_controller(
 ) -> WalkingController:
     """Virtual constraints on a nominal robot, with ticks of ``period`` [s]."""
     plant = PlantModel(robot, config, config.descent, period)
-    return WalkingController(plant, HzdSteps(config, gaits, KneeLengths.of(robot), plant))
+    return WalkingController(plant, HzdSteps(robot, config, gaits, plant))
 
 
 @dataclass
@@ -55,20 +55,21 @@ class EnforcedSteps:
 
 
 class HzdSteps(Stepping):
-    """Steps of N robots by gaits, on a nominal robot with virtual legs of ``lengths``."""
+    """Steps of N robots by gaits, on a nominal robot."""
 
     def __init__(
         self,
+        robot: RobotConfig,
         config: HzdControlConfig,
         gaits: EnforcedGaits,
-        lengths: KneeLengths,
         plant: PlantModel,
     ) -> None:
         self._config, self._constraints = config, gaits.constraints
-        self._gaits, self._lengths = gaits, lengths
+        self._gaits, self._lengths = gaits, KneeLengths.of(robot)
+        self._stretch = stretching(robot.geometry, np.zeros(()))
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
-        self._matrix = output_matrix(gaits.constraints.outputs)
+        self._matrix = output_matrix(gaits.constraints.outputs, robot.virtual_knee is None)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
@@ -178,7 +179,7 @@ class HzdSteps(Stepping):
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
-        return uneven(memory, robots, footholds, walk.phase)
+        return uneven(memory, robots, footholds, walk.phase, self._stretch)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
@@ -233,8 +234,8 @@ class HzdSteps(Stepping):
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.steps.duration * (late > 0)
-        value[:, SWING + SLIDE] += sinking * late
-        slope[:, SWING + SLIDE] += sinking
+        value[:, SWING:][:, STRETCH] += (sinking * late)[:, None] * self._stretch
+        slope[:, SWING:][:, STRETCH] += sinking[:, None] * self._stretch
         error, error_rate = value - now.x, slope * rate - now.rate
         desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))

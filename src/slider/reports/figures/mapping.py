@@ -41,7 +41,7 @@ class LegPair:
     @classmethod
     def of(cls, robot: Mechanism, flexion: float) -> "LegPair":
         """Legs whose prismatic one has the common pitch of all drawn ones."""
-        l1, l2 = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
+        l1, l2 = robot.sliding_leg.thigh_length, robot.sliding_leg.shank_length
         length = float(knee_map.leg_length(np.array(flexion), l1, l2))
         shift = _mapped((0.0, 0.0), flexion, l1, l2, "exact")
         knee = (_TILT - shift[0], -_TILT - shift[1])
@@ -138,6 +138,7 @@ def _down(pitch: float) -> np.ndarray:
     return np.array([-np.sin(pitch), -np.cos(pitch)])
 
 
+_NO_MAP = "The leg has a knee: its gaits are in its own coordinates, without a map."
 _START = 0.1  # knee flexion from which speed errors add up [rad]
 _STOP = 1.75
 _KNEES = [KNEE_JOINTS.index(f"{side}_knee") for side in SIDES]
@@ -153,6 +154,10 @@ _PANELS = (  # title, unit, curves
 def draw(library: GaitLibrary) -> Figure:
     """Legs at several flexions above; errors of angles, slide position and velocity below."""
     knee = library.robot.virtual_knee
+    if knee is None:
+        figure = new_figure(0.5)
+        figure.text(0.5, 0.5, _NO_MAP, ha="center", va="center")
+        return figure
     used = flexions(library)
     figure = new_figure(5.7)
     figure.set_layout_engine("constrained", w_pad=0.1)
@@ -191,6 +196,8 @@ def flexions(library: GaitLibrary) -> tuple[float, float]:
 def caption(library: GaitLibrary) -> str:
     """What is printed, and how far it is off where the gaits of this library use it."""
     knee = library.robot.virtual_knee
+    if knee is None:
+        return f"{_NO_MAP}\n"
     theta = np.linspace(*flexions(library), 200)
     errors = map_errors(theta, knee.thigh_length, knee.shank_length)
     worst = {name: float(np.abs(error).max()) for name, error in errors.items()}

@@ -131,7 +131,7 @@ def level_leg(
     sole: np.ndarray,
     heading: np.ndarray,
 ) -> np.ndarray:
-    """Hip yaw, roll and pitch [rad], slide [m], ankle [rad] (5,) of a foot line along a heading.
+    """Hip yaw, roll, pitch [rad], slide or knee [m | rad], ankle (5,) of a foot line on a heading.
 
     The leg turns pitch and ankle about one axis; it is perpendicular to the foot line and to the
     way from the sole to the pitch axis, so that yaw and roll follow from it in closed form where
@@ -166,8 +166,21 @@ def level_leg(
     reach, toe = to_leg @ (ankle - hip), to_leg @ heading
     pitch = np.arctan2(-reach[0], -reach[2])
     level = np.arctan2(-toe[2], toe[0])
+    if geometry.knee is not None:
+        knee, pitch = _bent(geometry, float(np.linalg.norm(reach)), pitch)
+        return np.array([yaw, roll, pitch, knee, level - pitch - knee])
     slide = np.linalg.norm(reach) - geometry.leg_length
     return np.array([yaw, roll, pitch, slide, level - pitch])
+
+
+def _bent(geometry: Geometry, length: float, pitch: float) -> tuple[float, float]:
+    """Knee and hip pitch [rad] of a leg of a ``length`` [m] along a ``pitch``, by its triangle."""
+    x, _, z = geometry.knee or (0.0, 0.0, 0.0)
+    thigh, shank = np.hypot(x, z), np.hypot(x, geometry.leg_length + z)
+    cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
+    flexion = float(np.sign(x) * np.arccos(np.clip(cosine, -1.0, 1.0)))
+    ahead = np.arctan2(shank * np.sin(flexion), thigh + shank * np.cos(flexion))
+    return flexion - geometry.bend, float(pitch - ahead + np.arctan2(x, -z))
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

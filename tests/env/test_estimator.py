@@ -2,24 +2,30 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 import torch
 
 from slider.config.env import OnboardConfig, SensorsConfig
-from slider.env.estimator import Measurement, StateEstimator
+from slider.env.estimator import Leg, Measurement, StateEstimator
 from slider.env.interface import FLOAT64
 from slider.env.observations import height_scan
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
+from slider.robot.bodies import own_bodies, total_mass
+from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
+from slider.robot.transmission import Transmission
 from tests.env.synthetic import config, disturbed_physics, make_view, robot_config, stand
+from tests.robot.lopsided import kneed
 
 ONBOARD = config("experiment=test").env.onboard
 assert ONBOARD is not None
 NO_ERRORS = SensorsConfig(*[0.0] * 17)
 PERFECT = replace(ONBOARD, sensors=NO_ERRORS)
 COUNT = 3
+ROBOTS = pytest.mark.parametrize("robot", [robot_config(), kneed()], ids=["slider", "kneed"])
 
 
 def physics_with(onboard: OnboardConfig, terrain: str = "flat", level: float = 5.0):
@@ -133,10 +139,27 @@ def test_a_slipping_foot_is_outweighed_by_the_other():
     assert abs(found.velocity[0, 0]) < 0.1
 
 
-def test_tensors_give_what_arrays_give():
+@ROBOTS
+def test_a_foot_s_force_is_that_against_which_the_motors_hold_the_leg(robot):
+    """By MuJoCo's Jacobian; legs have no weight in it."""
+    model, jacobian = build_model(robot, SimulationOptions()), np.zeros((3, 6 + NUM_JOINTS))
+    data, force = mujoco.MjData(model), total_mass(own_bodies(robot)) * GRAVITY
+    data.qpos[:] = nominal_qpos(robot)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_jacSite(model, data, jacobian, None, model.site("left_sole").id)
+    efforts = -force * jacobian[None, 2, 6:]
+    reading = measurement(1, motor_torques=Transmission.of(robot).torques(efforts))
+    made = StateEstimator(ONBOARD.estimator, robot, 1, np.zeros(1))
+    made.update(reading, np.zeros(1))
+    found = made.update(reading, np.full(1, 0.02)).foot_forces[0]
+    np.testing.assert_allclose(found, [force + Leg.of(robot).mass * GRAVITY, 0.0], rtol=1e-9)
+
+
+@ROBOTS
+def test_tensors_give_what_arrays_give(robot):
     rng, elapsed = np.random.default_rng(3), np.full(4, 0.02)
     arrays, tensors = (
-        StateEstimator(ONBOARD.estimator, robot_config(), 4, like) for like in (elapsed, FLOAT64)
+        StateEstimator(ONBOARD.estimator, robot, 4, like) for like in (elapsed, FLOAT64)
     )
     for _ in range(5):
         reading = measurement(

@@ -16,6 +16,7 @@ from slider.gait.solve import Attempt, GaitSolver, Solve, duration_bounds
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved
+from tests.robot.lopsided import kneed
 
 VELOCITY = (0.4, 0.0)
 
@@ -176,6 +177,20 @@ def test_cold_starts_converge(velocity):
     assert solve.success, solve.status
     assert solve.max_violation <= 1e-6
     assert solve.iterations < 60
+
+
+def test_a_leg_with_a_knee_walks_in_its_own_coordinates():
+    """Where the flexion counts from straight, within ``gait.posture``."""
+    robot = kneed()
+    posture = replace(config().gait.posture, foot_separation_max=1.0, swing_height=0.2)
+    gait = build(Formulation(robot, replace(config().gait, posture=posture)))
+    solve = GaitSolver(gait, config().gait.solver, config().gait.step_time).solve(0.4, 0.0)
+    assert solve.success
+    assert solve.max_violation <= 1e-6
+    q = knee_trajectory(gait, solve.variables).q
+    flexion = q[:, [3, 8]] + robot.geometry.bend
+    assert posture.knee_min - 1e-6 <= flexion.min() < flexion.max() <= posture.knee_max
+    np.testing.assert_array_equal(prismatic_joints(q, q, robot)[0], with_upper_feet(q))
 
 
 def least_speed(solver: GaitSolver, solve: Solve) -> float:

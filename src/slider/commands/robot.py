@@ -61,6 +61,8 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
         place = " ".join(f"{value:7.4f}" for value in link.com)
         moments = " ".join(f"{value:9.3g}" for value in np.linalg.eigvalsh(link.tensor))
         yield f"{name:<12}{link.mass:10.3f}  {place:>24}  {moments:>30}"
+    if geometry.knee is not None:
+        yield f"\nslide is the knee, {abs(np.rad2deg(geometry.bend)):.0f}° from straight at zero"
     yield f"\n{'joint':<12}{'range [rad, m]':>18}{'damping':>10}{'armature':>10}"
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower:.3f} to {joint.upper:.3f}"
@@ -71,7 +73,7 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
     shares = np.abs(needed) / motors.torque
     rows = zip(robot.leg_motors, motors.torque, needed, shares, strict=False)  # of the left leg
     for name, limit, torque, share in rows:
-        unit = "N" if name == "slide" else "N m"
+        unit = "N" if name == "slide" and geometry.knee is None else "N m"
         yield f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
     yield from _remarks(robot, data, shares[: len(robot.leg_motors)])
 
@@ -112,8 +114,11 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
         for across, (panel, title) in enumerate(zip(panels, ("right", "front"), strict=True)):
             for side, colour in (("right", LIGHT), ("left", DARK)):
                 axes = {name: data.joint(f"{side}_{name}").xanchor for name in robot.joints}
-                chain = [base, *(axes[name] for name in _MARKED)]
-                top = [axes["hip_pitch"], axes["upper_foot"]]
+                chain, top = [base, *(axes[name] for name in _MARKED)], [axes["hip_pitch"]]
+                if robot.geometry.knee is None:
+                    top.append(axes["upper_foot"])
+                else:
+                    chain.insert(-1, axes["slide"])
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:
                     panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)

@@ -37,7 +37,12 @@ def validate(config: Config) -> None:
     sizes = (axis_size(b.vx) * axis_size(b.vy) * len(b.yaw_rate) for b in (grid, *grid.extra))
     size = sum(sizes)
     require(size <= _MAX_GRID, "gait.grid", f"at most {_MAX_GRID} velocities", size)
-    if config.gait.dynamics == "knee":  # virtual thigh and shank share a tube
+    if config.robot.virtual_knee is None:  # gaits are in the leg's own coordinates
+        gait, expected = config.gait, "where the leg has a knee of its own"
+        found = gait.kinematic_map
+        require(found == "exact", "gait.kinematic_map", f"exact {expected}", found)
+        require(gait.dynamics == "prismatic", "gait.dynamics", f"prismatic {expected}", "knee")
+    elif config.gait.dynamics == "knee":  # virtual thigh and shank share a tube
         tube = config.robot.links.tube
         placed = (*tube.com[:2], *tube.products)
         expected = "com x and y, and products, of 0 with gait.dynamics=knee"
@@ -102,16 +107,18 @@ def _robot(robot: RobotConfig) -> None:
     expected = "a sum of y > 0 m: left hips are on the left"
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
     geometry, virtual = robot.geometry, robot.virtual_knee
-    one = (geometry.knee is None) != (virtual is None)
-    require(one, "robot.virtual_knee", "null where the leg has a knee, and only there", virtual)
+    one, found = (geometry.knee is None) != (virtual is None), "null" if virtual is None else "one"
+    expected = "null where geometry.knee is not, and only there"
+    require(one, "robot.virtual_knee", expected, found)
     if virtual is not None:
         reach = virtual.thigh_length + virtual.shank_length
         expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
         require(reach > geometry.leg_length, "robot.virtual_knee", expected, reach)
     if geometry.knee is not None:
-        bent = abs(geometry.knee[0]) >= _LEAST_BEND * geometry.leg_length
-        expected = f"x of at least {_LEAST_BEND:.0%} of leg_length: a knee that is bent"
-        require(bent, "robot.geometry.knee", expected, geometry.knee[0])
+        (x, _, z), length = geometry.knee, geometry.leg_length
+        bent = abs(x) >= _LEAST_BEND * length and -length < z < 0.0
+        expected = f"z between hip and ankle, x of {_LEAST_BEND:.0%} of leg_length or more: bent"
+        require(bent, "robot.geometry.knee", expected, list(geometry.knee))
         require(robot.capstan is None, "robot.capstan", "null where the leg has a knee", "one")
     paths = [f"{item.path}." for item in parameters(robot)]
     for group in robot.provenance:

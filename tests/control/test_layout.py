@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.config.env import EstimatorConfig
 from slider.control.layout import describe, reference_table
 from slider.env.observations import TERMS
 from slider.robot.names import JOINTS, MOTORS
 from tests.control.policies import make_policy
 from tests.env.synthetic import gait_table, motor_angles
+from tests.robot.lopsided import kneed
 
 
 @pytest.mark.parametrize("name", ["default", "paper", "all"])
@@ -49,6 +51,15 @@ def test_gains_limits_and_scales_are_the_robots():
     values = ("kp", "kd", "torque_limit", "stall_torque", "no_load_speed", "rotor_inertia")
     found = [motors["right_leg_2"][name] for name in values]
     assert found == [2.2, 0.047, 9.0, 18.0, 120.0, 6.25e-4]
+
+
+def test_a_knee_is_in_rad():
+    layout = describe(replace(make_policy(), robot=kneed()), {}, EstimatorConfig(*[0.1] * 8))
+    assert {joint["unit"] for joint in layout["action"]["joints"]} == {"rad"}
+    terms = {row["name"]: row["units"] for row in layout["observation"]["terms"]}
+    assert set(terms["joint_positions"]) == {"rad"}
+    assert set(terms["joint_velocities"]) == {"rad/s"}
+    assert layout["estimator"] is None  # run_policy.py has it for legs that slide
 
 
 def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():

@@ -18,13 +18,13 @@ from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
-    CHANNEL_UNITS,
     JOINTS,
     MIRROR_PERMUTATION,
     MIRROR_SIGN,
     MOTORS,
     SIDES,
     VELOCITY,
+    channel_units,
     leg_joint,
 )
 from slider.robot.transmission import Transmission, by_motor
@@ -127,6 +127,9 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
         scale = policy.env.observation.terms[name]
         place = {"name": name, "start": start, "width": width, "scale": scale}
         rows.append(place | TERMS[name].describe(width))
+        if policy.robot.geometry.knee is not None and rows[-1]["components"] == list(JOINTS):
+            turning = {"m": "rad", "m/s": "rad/s"}
+            rows[-1]["units"] = [turning.get(unit, unit) for unit in rows[-1]["units"]]
         start += width
     return rows
 
@@ -167,10 +170,11 @@ def _axes(times: StepTimes) -> dict[str, list[float]]:
 
 def _joints(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
     kinds = [leg_joint(name) for name in JOINTS]
+    units = channel_units(policy.robot.geometry.knee is not None)
     return [
         {
             "name": name,
-            "unit": CHANNEL_UNITS[index],
+            "unit": units[index],
             "actuated": index in ACTUATED,
             "nominal": float(agent.nominal[index]),
             "scale": policy.env.action.scale[kind],

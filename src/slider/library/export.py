@@ -11,7 +11,7 @@ import pandas as pd
 
 from slider.library import measures
 from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
-from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, MOTORS, SIDES, velocity_text
+from slider.robot.names import CHANNELS, JOINTS, MOTORS, SIDES, channel_units, velocity_text
 from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
@@ -56,6 +56,7 @@ def library_lines(library: GaitLibrary) -> list[str]:
     mesh, arrays = library.mesh, library.arrays
     torque, voltage = measures.motor_shares(library)
     clearances = [100 * measures.clearance(library, i) for i in range(len(library))]
+    units = _units(library)
     lines = [
         f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
@@ -70,7 +71,11 @@ def library_lines(library: GaitLibrary) -> list[str]:
         ("iterations", arrays["iterations"], ""),
         ("motor torque", 100 * torque.max(axis=1), "% of limit"),
         ("motor voltage", 100 * voltage.max(axis=1), "% of the bus"),
-        ("slide speed", measures.slide_speed(library), "m/s"),
+        (
+            "slide speed",
+            measures.slide_speed(library),
+            units[CHANNELS.index("left_slide.velocity")],
+        ),
         ("clearance", clearances, "cm"),
     ):
         spread = "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
@@ -107,14 +112,19 @@ def _axis(values: np.ndarray) -> str:
     return ", ".join(texts)
 
 
+def _units(library: GaitLibrary) -> tuple[str, ...]:
+    return channel_units(library.robot.geometry.knee is not None)
+
+
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
     arrays = {name: library.arrays[name][gait] for name in ARRAYS}
     stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
-    effort_units = ["N" if name.endswith("slide") else "N m" for name in JOINTS]
+    channels = _units(library)
+    effort_units = ["N" if unit == "m" else "N m" for unit in channels[: len(JOINTS)]]
     for array, labels, units in (
-        ("samples", CHANNELS, CHANNEL_UNITS),
+        ("samples", CHANNELS, channels),
         ("base", [f"base_motion.{name}" for name in LABELS["base_channel"]], _BASE_UNITS),
         ("efforts", [f"{name}.effort" for name in JOINTS], effort_units),
         ("ground_wrench", [f"ground.{n}" for n in LABELS["wrench_component"]], _WRENCH_UNITS),
@@ -130,7 +140,7 @@ def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
     labels = LABELS | {CONSTRAINT: library.constraints}
     texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in labels.items()}
     arrays["status"] = np.array(str(arrays["status"]))
-    units = np.array(CHANNEL_UNITS, dtype=str)
+    units = np.array(_units(library), dtype=str)
     with path.open("wb") as file:  # else numpy appends .npz to other names
         np.savez(file, allow_pickle=False, channel_units=units, **arrays, **texts)
 

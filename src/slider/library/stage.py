@@ -23,7 +23,7 @@ from slider.library.reader import (
     STORE,
     VERSION,
 )
-from slider.robot.names import CHANNEL_UNITS, CHANNELS, VELOCITY, velocity_text
+from slider.robot.names import CHANNELS, VELOCITY, channel_units, velocity_text
 
 _TEXT = np.dtypes.StringDType()
 _SCALARS = ("cost", "max_violation", "iterations")
@@ -84,7 +84,7 @@ def _write(
                 "schema": SCHEMA,
                 "version": VERSION,
                 "channels": list(CHANNELS),
-                "channel_units": list(CHANNEL_UNITS),
+                "channel_units": list(channel_units(bool(attributes["robot"]["geometry"]["knee"]))),
                 "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
                 "coordinates": " ".join(COORDINATES),  # as xarray reads it
                 **attributes,

@@ -99,3 +99,10 @@ CHANNEL_UNITS = (
     "m/s",
     "m/s",
 )
+"""Of legs that slide."""
+
+
+def channel_units(has_knee: bool) -> tuple[str, ...]:
+    """Units of ``CHANNELS``; a knee has the place of the slide."""
+    turning = ("rad",) * NUM_JOINTS + ("rad/s",) * NUM_JOINTS
+    return turning + CHANNEL_UNITS[len(turning) :] if has_knee else CHANNEL_UNITS

@@ -199,7 +199,8 @@ class Estimator:
 
     def __init__(self, layout: dict, model: mujoco.MjModel) -> None:
         if layout.get("estimator") is None:
-            raise SystemExit("expected the settings of an estimator in policy.json, found none")
+            expected = "expected the settings of an estimator in policy.json"
+            raise SystemExit(f"{expected}, found none (legs with knees have none)")
         self.settings, self.model = layout["estimator"], model
         self.period, self.gravity = layout["control_period"], -model.opt.gravity[2]
         self.data = mujoco.MjData(model)  # of the kinematics

@@ -19,6 +19,7 @@ from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,
     standing_height,
+    stretched,
     stretching,
     turn_to_heading,
     yaw_of,
@@ -83,8 +84,8 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
             expected = {tuple(np.round(low + s * axis, 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
             if geometry.knee is not None:
-                hip, ankle, knee = (data.joint(f"{side}_{n}").xanchor for n in SAGITTAL)
-                np.testing.assert_allclose(points[leg, :3], [hip, knee, ankle], atol=1e-12)
+                hip, knee, ankle = (data.joint(f"{side}_{n}").xanchor for n in SAGITTAL)
+                np.testing.assert_allclose(points[leg, :3], [hip, ankle, knee], atol=1e-12)
                 continue
             bodies = [data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot")]
             upper = np.array([[-geometry.heel, 0, 0.045], [geometry.toe, 0, 0.045]])
@@ -111,20 +112,36 @@ def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
             np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
 
 
-@ROBOTS
-def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot):
-    """By differences of MuJoCo's ankle, at several slides or knees."""
-    model, step = build_model(robot, SimulationOptions()), 1e-6
+def leg_of(robot: RobotConfig, sagittal: np.ndarray) -> np.ndarray:
+    """From hip to ankle (3,) [m] in MuJoCo, of hip pitch, slide or knee, and ankle."""
+    model = build_model(robot, SimulationOptions())
     data, start = mujoco.MjData(model), 7 + names.JOINTS.index("left_hip_pitch")
-    for extension in (-0.2, 0.0, 0.3):
-        way, places = stretching(robot.geometry, np.array(extension)), []
-        for sign in (-1.0, 1.0):
-            data.qpos[start : start + 3] = np.array([0.1, extension, 0.0]) + sign * step * way
-            mujoco.mj_kinematics(model, data)
-            places.append(data.joint("left_ankle").xanchor - data.joint("left_hip_pitch").xanchor)
-        moved, leg = (places[1] - places[0]) / (2 * step), places[0] / np.linalg.norm(places[0])
-        np.testing.assert_allclose(moved, leg, atol=1e-6)
-        assert robot.geometry.knee is None or abs(way.sum()) < 1e-12
+    data.qpos[start : start + 3] = sagittal
+    mujoco.mj_kinematics(model, data)
+    return data.joint("left_ankle").xanchor - data.joint("left_hip_pitch").xanchor
+
+
+@ROBOTS
+@pytest.mark.parametrize("extension", [-0.2, 0.0, 0.3])
+def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extension):
+    geometry, at = robot.geometry, np.array(extension)
+    joints, step = np.array([0.1, extension, 0.0]), 1e-6
+    leg, way = leg_of(robot, joints), stretching(geometry, at)
+    longer = leg_of(robot, joints + step * way) - leg_of(robot, joints - step * way)
+    np.testing.assert_allclose(longer / (2 * step), leg / np.linalg.norm(leg), atol=1e-6)
+    change = stretched(geometry, at, np.array(-0.04))
+    shorter = (1.0 - 0.04 / np.linalg.norm(leg)) * leg
+    np.testing.assert_allclose(leg_of(robot, joints + change), shorter, atol=1e-12)
+    if geometry.knee is not None:
+        np.testing.assert_allclose([way.sum(), change.sum()], 0.0, atol=1e-12)
+
+
+def test_a_leg_with_a_knee_is_at_most_almost_straight():
+    geometry = kneed().geometry
+    straight = np.array(-geometry.bend)
+    assert np.abs(stretching(geometry, straight)).max() < 1.0 / (0.03 * geometry.leg_length)
+    change = stretched(geometry, np.zeros(()), np.array(1.0))
+    assert np.linalg.norm(leg_of(kneed(), change)) == pytest.approx(0.995 * 0.8, abs=1e-3)
 
 
 def line_length(geometry: Geometry) -> float:

@@ -19,6 +19,7 @@ from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 
+_SEEN = 1e-3  # [m]
 _MARKED = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
 
 
@@ -54,6 +55,8 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
     if model is not None:
         difference, part = model.differs
         yield f"left and right differ by {difference:.1%} ({part})"
+        if abs(model.lateral) > _SEEN:
+            yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
         held = (f"{name} with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
     yield f"\n{'link':<12}{'mass [kg]':>10}  {'centre [m]':>24}  {'principal moments [kg m²]':>30}"

@@ -18,6 +18,7 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 
 from slider.config import types as t
 from slider.config.convert import from_dict
+from slider.config.robot import LEAST_BEND
 from slider.core.errors import UserError, require
 
 LINKS = {
@@ -74,11 +75,13 @@ class ModelFile:
         values: ``geometry``, ``links`` and ``joints`` of ``conf/robot``.
         held: joints without a role, with the mass that they carry [kg].
         differs: largest difference of the legs, and what has it.
+        lateral: y of the base's centre, which counts as 0 [m].
     """
 
     values: dict[str, Any]
     held: dict[str, float]
     differs: tuple[float, str]
+    lateral: float
 
 
 @dataclass(frozen=True)
@@ -133,10 +136,11 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     lateral = leg.places["ankle"][1]
     expected = "a left leg on the left, y > 0 (are left and right swapped?)"
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
-    links = {"base": tree.base().values(np.zeros(3)), **leg.described()}
+    base, offset = tree.base()
+    links = {"base": base.values(np.zeros(3)), **leg.described()}
     robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
     robot |= {"virtual_knee": None, "capstan": None} if leg.has_knee else {}
-    return ModelFile(robot, tree.held(), (difference, worst))
+    return ModelFile(robot, tree.held(), (difference, worst), offset)
 
 
 @dataclass(frozen=True)
@@ -167,6 +171,11 @@ class _Leg:
         geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
         if self.has_knee:
             geometry["knee"] = _rounded(places["slide"] - above)
+            ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
+            found = f"a knee {ahead:.3f} m off the line from hip to ankle"
+            require(
+                ahead >= LEAST_BEND * geometry["leg_length"], "robot.roles.pose", expected, found
+            )
         if "upper_foot" in places:
             offset = places["upper_foot"] - above
             expected = "an upper foot above the pitch axis in the nominal pose"
@@ -267,8 +276,8 @@ class _Tree:
         joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
         return _Leg(places, links, joints, self._has_knee)
 
-    def base(self) -> _Link:
-        """The base and all that is welded to it, with the plane of symmetry at y = 0."""
+    def base(self) -> tuple[_Link, float]:
+        """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
         expected = f"a base whose centre has y = 0 within {_MAX_LATERAL} m"
         lateral = base.com[1]
@@ -278,7 +287,7 @@ class _Tree:
         found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
         require(skewed <= 2 * _MAX_DIFFERENCE, "robot.model", expected, found)
         symmetric = (base.inertia + base.mirrored().inertia) / 2
-        return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric)
+        return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
         """Joints without a role, and the mass below them [kg]."""
@@ -293,7 +302,7 @@ class _Tree:
     def _joint(self, name: str, side: int) -> dict[str, float]:
         """Range and passive properties, of a left leg."""
         model, index = self._model, self._joints[name][side]
-        key = f"robot.roles.joints.{name}"
+        key = f"robot.roles.joints.{_KNEE if name == 'slide' and self._has_knee else name}"
         slides, text = name == "slide" and not self._has_knee, model.joint(index).name
         possible = model.jnt_type[index] == _MOVES[slides]
         require(possible, key, "a slide" if slides else "a hinge", text)
@@ -375,10 +384,13 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     """Left and right joint of each role that the machine has."""
     table, key = dict(roles.joints), "robot.roles.joints"
     if _KNEE in table:
+        require("slide" not in table, key, f"slide or {_KNEE}", "both")
+        expected = f"null with a {_KNEE}"
+        require(table.get("upper_foot") is None, f"{key}.upper_foot", expected, "joints")
         table["slide"] = table.pop(_KNEE)
     expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide"
     require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
-    lacks = [name for name, pair in table.items() if pair is None and name not in ABSENT]
+    lacks = [name for name, pair in roles.joints.items() if pair is None and name not in ABSENT]
     require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
     pairs: dict[str, tuple[int, int]] = {}
     for name, pair in table.items():

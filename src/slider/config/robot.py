@@ -19,6 +19,7 @@ Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
 LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
 HIP_JOINTS = LEG_JOINTS[:3]
+LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
 
 
 def leg_scale(leg_length: float) -> float:
@@ -104,7 +105,7 @@ class Geometry:
     foot_radius: t.Positive[t.Metres]
     """half of the foot's width"""
     upper_foot_height: t.Positive[t.Metres]
-    """upper foot axis above the hip pitch axis at slide = 0"""
+    """upper foot axis above the hip pitch axis at slide = 0, or above the knee"""
     tube_radius: t.Positive[t.Metres]
     """of the leg"""
     hip_radius: t.Positive[t.Metres]

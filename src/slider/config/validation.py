@@ -13,7 +13,7 @@ from slider.config.convert import from_dict, setting, to_dict, with_settings
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock
 from slider.config.gait import axis_size
-from slider.config.robot import LEG_JOINTS, RobotConfig, parameters
+from slider.config.robot import LEAST_BEND, LEG_JOINTS, RobotConfig, parameters
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import one_of, require
@@ -22,7 +22,6 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 """Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
 _MAX_GRID = 5000  # velocities
 _LEAST_RATE = 200  # of a controller [Hz]
-_LEAST_BEND = 0.02  # of a knee, from the line between hip and ankle
 _RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
@@ -99,6 +98,8 @@ def _complete(key: str, names: Iterable[str], expected: Iterable[str]) -> None:
 
 def _robot(robot: RobotConfig) -> None:
     """Every joint and drive, legs that reach, tags of parameters."""
+    possible = robot.capstan is None or robot.geometry.knee is None
+    require(possible, "robot.capstan", "null where the leg has a knee", "one")
     motors = dict.fromkeys(robot.leg_motors)
     _complete("robot.joints", robot.joints, LEG_JOINTS)
     _complete("robot.drives", robot.drives, motors)
@@ -108,7 +109,7 @@ def _robot(robot: RobotConfig) -> None:
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
     geometry, virtual = robot.geometry, robot.virtual_knee
     one, found = (geometry.knee is None) != (virtual is None), "null" if virtual is None else "one"
-    expected = "null where geometry.knee is not, and only there"
+    expected = "lengths of a leg that slides, or null and geometry.knee"
     require(one, "robot.virtual_knee", expected, found)
     if virtual is not None:
         reach = virtual.thigh_length + virtual.shank_length
@@ -116,10 +117,9 @@ def _robot(robot: RobotConfig) -> None:
         require(reach > geometry.leg_length, "robot.virtual_knee", expected, reach)
     if geometry.knee is not None:
         (x, _, z), length = geometry.knee, geometry.leg_length
-        bent = abs(x) >= _LEAST_BEND * length and -length < z < 0.0
-        expected = f"z between hip and ankle, x of {_LEAST_BEND:.0%} of leg_length or more: bent"
+        bent = abs(x) >= LEAST_BEND * length and -length < z < 0.0
+        expected = f"z between hip and ankle, x of {LEAST_BEND:.0%} of leg_length or more: bent"
         require(bent, "robot.geometry.knee", expected, list(geometry.knee))
-        require(robot.capstan is None, "robot.capstan", "null where the leg has a knee", "one")
     paths = [f"{item.path}." for item in parameters(robot)]
     for group in robot.provenance:
         tags_numbers = any(path.startswith(f"{group}.") for path in paths)

@@ -19,7 +19,7 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import SLIDES
 from slider.robot.bodies import own_bodies, total_mass
-from slider.robot.kinematics import FootMotion, foot_motion, stretching
+from slider.robot.kinematics import SAGITTAL, FootMotion, foot_motion, stretching
 from slider.robot.names import GRAVITY, JOINTS, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
@@ -87,13 +87,14 @@ class Leg(NamedTuple):
         bodies, geometry = own_bodies(robot), robot.geometry
         tube, foot = bodies["tube"], bodies["foot"]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
-        square = float(stretching(geometry, np.zeros(()))[1]) ** 2
+        stretch = stretching(geometry, np.zeros(()))
+        damping = [robot.joints[name].damping for name in SAGITTAL]
         return cls(
             weight=total_mass(bodies) * GRAVITY,
             mass=tube.mass + foot.mass,
             moment=tube.mass * depth + foot.mass * (geometry.leg_length - foot.com[2]),
-            reflected_mass=float(leg_inertia(robot)[3, 3]) * square,
-            damping=robot.joints["slide"].damping * square,
+            reflected_mass=float(stretch @ leg_inertia(robot)[2:, 2:] @ stretch),
+            damping=float(stretch**2 @ damping),
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot import names
-from slider.robot.kinematics import SAGITTAL, stretching, turn_to_heading
+from slider.robot.kinematics import SAGITTAL, stretched, turn_to_heading
 
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
@@ -187,6 +187,6 @@ def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: 
         steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
         pitch, slide, ankle = (names.JOINTS.index(f"{side}_{name}") for name in SAGITTAL)
         longer = mean - heights[:, leg]
-        result[:, pitch : ankle + 1] = longer[:, None] * stretching(geometry, joints[:, slide])
+        result[:, pitch : ankle + 1] = stretched(geometry, joints[:, slide], longer)
         result[:, ankle] -= namespace(yaw).arctan(steep)
     return result

@@ -51,6 +51,7 @@ class OnboardState:
         self._noise = SensingConfig(**shared)
         self._estimator = StateEstimator(config.estimator, robot, count, like)
         self._draws = Draws(seeds, count, like)
+        self._biased = asarray(~SLIDES | (robot.geometry.knee is not None), like)
         self.restart()
 
     def restart(self) -> None:
@@ -95,7 +96,7 @@ class OnboardState:
         angles[:, 2] *= self._age
         quaternion = turned(state.quaternion, angles)
         rotation = rotation_from_quaternion(quaternion)
-        offset = sensors.joint_bias * asarray(~SLIDES, normal) * joint
+        offset = sensors.joint_bias * self._biased * joint
         biased = replace(
             state,
             quaternion=quaternion,

@@ -25,7 +25,7 @@ USUAL_NOISE = StartNoise(
     joint_velocity=0.0,
 )
 NUMPY = np.zeros(0)
-SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+SLIDES = np.array([name.endswith("slide") for name in JOINTS])  # or knees
 
 
 def at_rest(
@@ -74,7 +74,8 @@ def perturb(qpos: Array, qvel: Array, robot: RobotConfig, noise: StartNoise, rng
     qpos[:, 7:] = qpos[:, 7:].clip(lower, upper)
     qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
     qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
-    share = asarray(np.where(SLIDES, 0.2, 1.0), qpos)  # a slide's m/s weigh more than rad/s
+    slides = SLIDES & (robot.geometry.knee is None)
+    share = asarray(np.where(slides, 0.2, 1.0), qpos)  # a slide's m/s weigh more than rad/s
     qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
 
 

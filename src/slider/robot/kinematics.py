@@ -1,5 +1,6 @@
 """Forward kinematics of the legs, vectorised over robots. With a knee ``slide`` is its angle."""
 
+import math
 from typing import NamedTuple
 
 from slider.config.robot import Geometry
@@ -66,6 +67,8 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     return namespace(joints).stack(ends, axis=1)
 
 
+_LEAST_GROWTH = 0.04  # of a leg per angle of its knee, as a share of its length
+_STRAIGHTEST = 0.995  # length of a leg as a share of thigh and shank
 SAGITTAL = ("hip_pitch", "slide", "ankle")  # along which a leg stretches
 
 
@@ -196,19 +199,49 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
 def stretching(geometry: Geometry, extension: Array) -> Array:
     """Hip pitch, slide or knee, and ankle per length of the leg [m] at slides or knees (...).
 
-    Along (..., 3) the leg gets longer, its direction and the foot's stay.
+    Along (..., 3) the leg gets longer, its direction and the foot's stay. A knee that is almost
+    straight, or beyond, counts as bent by some 10°: there no angle makes the leg longer.
     """
     xp, zero = namespace(extension), 0.0 * extension
     if geometry.knee is None:
         return xp.stack([zero, zero + 1.0, zero], axis=-1)
-    x, z, length = geometry.knee[0], geometry.knee[2], geometry.leg_length
-    sine, cosine = xp.sin(extension), xp.cos(extension)
-    along, down = -x * cosine - (length + z) * sine, x * sine - (length + z) * cosine  # the shank
-    far, deep = x + along, z + down  # from hip to ankle, in the pitch link's frame
+    x, length, sense = geometry.knee[0], geometry.leg_length, -math.copysign(1.0, geometry.knee[0])
+    far, deep = _hip_to_ankle(geometry, extension)
+    along, down = far - x, deep - geometry.knee[2]  # the shank
     square = far**2 + deep**2
     turn = (down * deep + far * along) / square  # of the leg per angle of the knee
-    grown = (far * down - deep * along) / xp.sqrt(square)
+    grown = sense * (far * down - deep * along) / xp.sqrt(square)
+    grown = sense * grown.clip(_LEAST_GROWTH * length, None)
     return xp.stack([-turn, zero + 1.0, turn - 1.0], axis=-1) / grown[..., None]
+
+
+def stretched(geometry: Geometry, extension: Array, longer: Array) -> Array:
+    """Change of hip pitch, slide or knee, and ankle (..., 3) that makes a leg ``longer`` [m].
+
+    As :func:`stretching`, exactly, at slides or knees ``extension`` (...). A leg with a knee gets
+    as long as it can.
+    """
+    xp, zero = namespace(extension), 0.0 * extension
+    if geometry.knee is None:
+        return xp.stack([zero, longer, zero], axis=-1)
+    x, _, z = geometry.knee
+    thigh, shank = math.hypot(x, z), math.hypot(x, geometry.leg_length + z)
+    before = _hip_to_ankle(geometry, extension)
+    length = (before[0] ** 2 + before[1] ** 2) ** 0.5 + longer
+    length = length.clip(abs(thigh - shank), _STRAIGHTEST * (thigh + shank))
+    cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
+    knee = math.copysign(1.0, x) * xp.acos(cosine.clip(-1.0, 1.0)) - geometry.bend
+    after = _hip_to_ankle(geometry, knee)
+    turn = xp.atan2(-after[0], -after[1]) - xp.atan2(-before[0], -before[1])
+    bent = knee - extension
+    return xp.stack([-turn, bent, turn - bent], axis=-1)
+
+
+def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
+    """Ankle from the pitch axis, forward and up in the pitch link's frame [m]."""
+    xp, (x, _, z) = namespace(knee), geometry.knee or (0.0, 0.0, 0.0)
+    sine, cosine, shank = xp.sin(knee), xp.cos(knee), geometry.leg_length + z
+    return x - x * cosine - shank * sine, z + x * sine - shank * cosine
 
 
 def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:

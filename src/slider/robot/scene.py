@@ -121,9 +121,10 @@ def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
 
 def _complete_leg(spec: mujoco.MjSpec, geometry: Geometry, side: str, lateral: float) -> None:
     """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
-    end, axes = -geometry.leg_length, geometry.axes
+    (x, y, z), axes = geometry.knee or (0.0, 0.0, 0.0), geometry.axes
+    end = [-x, -lateral * y, -geometry.leg_length - z]
     height = geometry.foot_radius - geometry.ankle_height
-    lines = [(f"{side}_slide", geometry.tube_radius, [0, 0, end + 0.05, 0, 0, end])]
+    lines = [(f"{side}_slide", geometry.tube_radius, [*end[:2], end[2] + 0.05, *end])]
     for above, (x, y, z) in (("hip_yaw", axes.hip_roll), ("hip_roll", axes.hip_pitch)):
         if any((x, y, z)):
             lines.append((f"{side}_{above}", 0.02, [0, 0, 0, x, lateral * y, z]))

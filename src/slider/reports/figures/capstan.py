@@ -129,7 +129,7 @@ def _limits(
     torques = motor_torques(library, gait)
     for (label, motor), colour in zip(motors.items(), (DARK, MIDDLE), strict=False):
         axes.plot(turning[:, motor], torques[:, motor], ".", color=colour, label=label)
-    linear = "slide" in motors
+    linear = "slide" in motors and library.robot.geometry.knee is None
     axes.set_xlabel("speed [m/s]" if linear else "speed [rad/s]")
     axes.set(title="limits", ylabel="force [N]" if linear else "torque [N m]")
     axes.margins(y=0.15)

@@ -61,7 +61,7 @@ def draw_cycles(library: GaitLibrary) -> Figure:
         ]
         _closed_curve(panels.flat[-1], roll, colour)
     for axes, joint in zip(panels.flat, _SHOWN, strict=False):
-        unit = "m" if joint == "slide" else "rad"
+        unit = "m" if joint == "slide" and library.robot.geometry.knee is None else "rad"
         axes.set(title=joint.replace("_", " "), xlabel=f"[{unit}]", ylabel=f"[{unit}/s]")
     panels.flat[-1].set(title="roll of stance foot", xlabel="[rad]", ylabel="[rad/s]")
     bar = figure.colorbar(colours, ax=panels, pad=0.01, aspect=40, ticks=speeds, format="%.2g")
@@ -188,8 +188,9 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
     panels = plots.subplots(3, 5, sharex=True)
     samples, torques = library.arrays["samples"][gait], motor_torques(library, gait)
+    slides = library.robot.geometry.knee is None
     for axes, joint in zip(panels[0], _SHOWN, strict=True):
-        title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]"
+        title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' and slides else 'rad'}]"
         columns = [JOINTS.index(f"{side}_{joint}") for side in SIDES]
         _over_time(axes, library, gait, samples[:, columns], title)
     drives = by_motor(library.robot, library.robot.drives)
@@ -200,12 +201,12 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     panels[0, 0].legend()
     stands = library.arrays["contact"][gait][:, :2] > 0
     force = library.arrays["ground_wrench"][gait][:, 2:3]
-    slides = [NUM_JOINTS + JOINTS.index(f"{side}_slide") for side in SIDES]
+    columns = [NUM_JOINTS + JOINTS.index(f"{side}_slide") for side in SIDES]
     ground = {
         "ground force z [N]": np.where(stands, force, np.nan),
         "foot height [cm]": 100 * foot_heights(library, gait),
         "base forward [m/s]": samples[:, -2:-1],
-        "slide speed [m/s]": samples[:, slides],
+        f"slide speed [{'m' if slides else 'rad'}/s]": samples[:, columns],
         "base leftward [m/s]": samples[:, -1:],
     }
     for axes, (title, values) in zip(panels[2], ground.items(), strict=True):

@@ -76,6 +76,7 @@ def draw_map(
 def draw_velocity_maps(library: GaitLibrary) -> Figure:
     """What the library alone can give: cost, times, base height and use of the drives."""
     torque, voltage = (100 * shares.max(axis=1) for shares in measures.motor_shares(library))
+    slides = library.robot.geometry.knee is None
     return draw_maps(
         library,
         [
@@ -84,7 +85,7 @@ def draw_velocity_maps(library: GaitLibrary) -> Figure:
             ("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
             ("motor torque", torque, "% of limit"),
             ("motor voltage", voltage, "% of the bus"),
-            ("slide speed", measures.slide_speed(library), "m/s"),
+            ("slide speed", measures.slide_speed(library), "m/s" if slides else "rad/s"),
         ],
     )
 

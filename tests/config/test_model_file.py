@@ -66,6 +66,13 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
 
 
+def test_a_pose_that_turns_the_feet_is_told(tmp_path):
+    robot = mjcf(SLIDER, tmp_path)
+    assert read_model(robot, ROLES | {"pose": {}}).turned == pytest.approx(0.0, abs=1e-6)
+    pose = {"left_ankle": 0.1, "right_ankle": 0.1}
+    assert read_model(robot, ROLES | {"pose": pose}).turned == pytest.approx(0.1, abs=1e-6)
+
+
 def text(*values: float) -> str:
     return " ".join(map(str, np.ravel(values)))
 
@@ -272,10 +279,15 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
             "left_slide: expected a valid numb",
         ),
         (YAML, "joints: {", "pose: {left_hip_roll: 0.5}, joints: {", "expected an axis along"),
-        (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a slide"),
+        (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
-        (XML, 'mass="0.97"', 'mass="1.97"', "expected legs that are alike, or roles.side"),
+        (
+            XML,
+            'mass="0.97"',
+            'mass="1.97"',
+            "expected legs that are alike (also in roles.pose), or roles.side",
+        ),
         (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "hip_roll joints that differ by"),
         (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds the nominal pose"),
         (XML, 'range="-0.785 0.785"', 'range="-45 45"', "a range that holds the nominal pose, in "),

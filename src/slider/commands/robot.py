@@ -19,7 +19,7 @@ from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 
-_SEEN = 1e-3  # [m]
+_SEEN, _LEVEL = 1e-3, 0.02  # [m], [rad]
 _MARKED = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
 
 
@@ -57,6 +57,9 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
         yield f"left and right differ by {difference:.1%} ({part})"
         if abs(model.lateral) > _SEEN:
             yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
+        if model.turned > _LEVEL:
+            angle = np.rad2deg(model.turned)
+            yield f"remark: the pose turns the feet by {angle:.0f}°: are they level?"
         held = (f"{name} with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
     yield f"\n{'link':<12}{'mass [kg]':>10}  {'centre [m]':>24}  {'principal moments [kg m²]':>30}"
@@ -65,7 +68,13 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
         moments = " ".join(f"{value:9.3g}" for value in np.linalg.eigvalsh(link.tensor))
         yield f"{name:<12}{link.mass:10.3f}  {place:>24}  {moments:>30}"
     if geometry.knee is not None:
-        yield f"\nslide is the knee, {abs(np.rad2deg(geometry.bend)):.0f}° from straight at zero"
+        knee, sense = robot.joints["slide"], np.sign(geometry.bend)
+        ends = np.rad2deg(sense * (np.array([knee.lower, knee.upper]) + geometry.bend))
+        yield (
+            f"\nslide is the knee: it points {'forward' if sense > 0 else 'backward'}, is bent by "
+            f"{abs(np.rad2deg(geometry.bend)):.0f}° at zero, by {ends.min():.0f}° to "
+            f"{ends.max():.0f}° at its ends"
+        )
     yield f"\n{'joint':<12}{'range [rad, m]':>18}{'damping':>10}{'armature':>10}"
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower:.3f} to {joint.upper:.3f}"
@@ -122,6 +131,7 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                     top.append(axes["upper_foot"])
                 else:
                     chain.insert(-1, axes["slide"])
+                    panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:
                     panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
@@ -134,4 +144,5 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                 panel.annotate(name, place, (0.98, 0.8 - 0.08 * k), **text)
             panel.set(aspect="equal", title=f"from the {title}", xlabel="xy"[across] + " [m]")
             panel.set_xlim(-0.7, 0.7)
+        panels[0].set_ylabel("z [m]")
         figure.savefig(path)

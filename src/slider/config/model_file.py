@@ -76,12 +76,14 @@ class ModelFile:
         held: joints without a role, with the mass that they carry [kg].
         differs: largest difference of the legs, and what has it.
         lateral: y of the base's centre, which counts as 0 [m].
+        turned: by how much the pose turns the feet against the model's own zero [rad].
     """
 
     values: dict[str, Any]
     held: dict[str, float]
     differs: tuple[float, str]
     lateral: float
+    turned: float
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
         differences[f"{name} joints"] = _relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
     difference = differences[worst]
-    expected = "legs that are alike, or roles.side: left or right"
+    expected = "legs that are alike (also in roles.pose), or roles.side: left or right"
     alike = roles.side is not None or difference <= _MAX_DIFFERENCE
     require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
     leg = right if roles.side == "right" else left
@@ -140,7 +142,7 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     links = {"base": base.values(np.zeros(3)), **leg.described()}
     robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
     robot |= {"virtual_knee": None, "capstan": None} if leg.has_knee else {}
-    return ModelFile(robot, tree.held(), (difference, worst), offset)
+    return ModelFile(robot, tree.held(), (difference, worst), offset, tree.turned())
 
 
 @dataclass(frozen=True)
@@ -290,14 +292,28 @@ class _Tree:
         return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
-        """Joints without a role, and the mass below them [kg]."""
-        model, result = self._model, {}
-        for index, body in enumerate(model.jnt_bodyid):
-            is_held = index not in self._roles and model.jnt_type[index] != _FREE
-            if is_held and model.body_rootid[body] == model.body_rootid[self._base]:
-                name = model.joint(index).name or f"a joint of {model.body(body).name}"
+        """Joints without a role, below no other such, and the mass that they carry [kg]."""
+        model, result, below = self._model, {}, set[int]()
+        for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
+            free = [k for k in self._joints_of(int(body)) if model.jnt_type[k] != _FREE]
+            held = [index for index in free if index not in self._roles]
+            nested = model.body_parentid[body] in below  # parents come first
+            if held and not nested:
+                name = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
                 result[name] = float(model.body_subtreemass[body])
+            if held or nested:
+                below.add(int(body))
         return result
+
+    def turned(self) -> float:
+        """By how much the pose turns the left foot against the model's own zero [rad]."""
+        foot = self._model.jnt_bodyid[self._joints["ankle"][0]]
+        posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
+        rest = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, rest)
+        base, own = (rest.xmat[body].reshape(3, 3) for body in (self._base, foot))
+        cosine = (np.trace(posed @ (base.T @ own).T) - 1.0) / 2.0
+        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def _joint(self, name: str, side: int) -> dict[str, float]:
         """Range and passive properties, of a left leg."""
@@ -305,7 +321,8 @@ class _Tree:
         key = f"robot.roles.joints.{_KNEE if name == 'slide' and self._has_knee else name}"
         slides, text = name == "slide" and not self._has_knee, model.joint(index).name
         possible = model.jnt_type[index] == _MOVES[slides]
-        require(possible, key, "a slide" if slides else "a hinge", text)
+        expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
+        require(possible, key, expected, text)
         axis = self._turn @ self._data.xaxis[index]
         along = _AXES["ankle" if name == "slide" and self._has_knee else name]
         sign = float(np.sign(axis @ along))

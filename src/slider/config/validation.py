@@ -109,7 +109,7 @@ def _robot(robot: RobotConfig) -> None:
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
     geometry, virtual = robot.geometry, robot.virtual_knee
     one, found = (geometry.knee is None) != (virtual is None), "null" if virtual is None else "one"
-    expected = "lengths of a leg that slides, or null and geometry.knee"
+    expected = "lengths for a leg that slides, null for one with a knee"
     require(one, "robot.virtual_knee", expected, found)
     if virtual is not None:
         reach = virtual.thigh_length + virtual.shank_length

@@ -147,7 +147,8 @@ class StateEstimator:
         variance = self._variance + (deviations * elapsed[:, None]) ** 2
 
         leg_velocities, leg_heights = _odometry(feet)
-        forces = self._foot_forces(measured, feet, elapsed)
+        along = self._along(measured)
+        forces = self._foot_forces(measured, feet, elapsed, along)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
         # A foot of certainty c has the variance of leg odometry over c².
         # It follows from the foot's force, at first from its height.
@@ -169,20 +170,26 @@ class StateEstimator:
         self._velocity = xp.where(due, velocity, self._velocity)
         self._position = xp.where(due, position, self._position)
         self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
-        self._rates = xp.where(due, self._along(measured)[1], self._rates)
+        self._rates = xp.where(due, along[1], self._rates)
         self._forces = xp.where(due, forces, self._forces)
         self._fresh = self._fresh & False
         lifted = config.lifted * self._leg.weight
         carried = xp.where(self._forces > lifted, self._forces, 0.0)
         return Estimate(self._velocity, self._position, carried, feet)
 
-    def _foot_forces(self, measured: Measurement, feet: FootMotion, elapsed: Array) -> Array:
+    def _foot_forces(
+        self,
+        measured: Measurement,
+        feet: FootMotion,
+        elapsed: Array,
+        along: tuple[Array, Array, Array],
+    ) -> Array:
         """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each leg.
 
         The angular acceleration of the leg, and forces across it, are left out.
         """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
-        force, rates, longer = self._along(measured)
+        force, rates, longer = along
         pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, feet.axes)
         leg = self._leg
         pull = leg.mass * pull / period + (leg.moment + leg.mass * longer) * feet.turning**2

@@ -179,17 +179,19 @@ def test_cold_starts_converge(velocity):
     assert solve.iterations < 60
 
 
-def test_a_leg_with_a_knee_walks_in_its_own_coordinates():
-    """Where the flexion counts from straight, within ``gait.posture``."""
-    robot = kneed()
+@pytest.mark.parametrize("has_knee", [True, False])
+def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(has_knee):
+    """A knee's flexion counts from straight, within ``gait.posture``; a slide has its range."""
+    robot = kneed() if has_knee else replace(config().robot, virtual_knee=None)
     posture = replace(config().gait.posture, foot_separation_max=1.0, swing_height=0.2)
     gait = build(Formulation(robot, replace(config().gait, posture=posture)))
     solve = GaitSolver(gait, config().gait.solver, config().gait.step_time).solve(0.4, 0.0)
     assert solve.success
     assert solve.max_violation <= 1e-6
-    q = knee_trajectory(gait, solve.variables).q
-    flexion = q[:, [3, 8]] + robot.geometry.bend
-    assert posture.knee_min - 1e-6 <= flexion.min() < flexion.max() <= posture.knee_max
+    q, slide = knee_trajectory(gait, solve.variables).q, robot.joints["slide"]
+    lower, upper = (posture.knee_min, posture.knee_max) if has_knee else (slide.lower, slide.upper)
+    extension = q[:, [3, 8]] + robot.geometry.bend
+    assert lower - 1e-6 <= extension.min() < extension.max() <= upper
     np.testing.assert_array_equal(prismatic_joints(q, q, robot)[0], with_upper_feet(q))
 
 

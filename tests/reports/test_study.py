@@ -169,6 +169,7 @@ def solve(folder: Path, cost: float | None, nodes: int, offset: float) -> Path:
     status = "Infeasible_Problem_Detected" if cost is None else "Solve_Succeeded"
     report = {"converged": cost is not None, "status": status, "cost": abs(cost or 7.0)}
     report |= {"residuals": {"impact": worst, "friction": 0.0}, "max_violation": worst}
+    report |= {"gait_transport": 0.5, "base_height": 0.7}
     report |= {"iterations": 25, "between_nodes": {"foot_line_moment": 0.5}}
     (folder / REPORT).write_text(json.dumps(report))
     if nodes:

@@ -143,6 +143,6 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                 text = {"textcoords": "axes fraction", "ha": "right", "arrowprops": arrow}
                 panel.annotate(name, place, (0.98, 0.8 - 0.08 * k), **text)
             panel.set(aspect="equal", title=f"from the {title}", xlabel="xy"[across] + " [m]")
-            panel.set_xlim(-0.7, 0.7)
+            panel.set(xlim=(-base[2], base[2]), ylim=(-0.1 * base[2], 1.2 * base[2]))
         panels[0].set_ylabel("z [m]")
         figure.savefig(path)

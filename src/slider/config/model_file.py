@@ -169,7 +169,11 @@ class _Leg:
         reach = places["ankle"] - above
         along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
         expected = "an ankle below the pitch axis in the nominal pose"
-        require(along, "robot.model", expected, f"{np.round(reach, 4).tolist()} m from it")
+        found = f"{np.round(reach, 4).tolist()} m from it"
+        if reach[2] < 0.0:
+            turn = np.arctan2(reach[0], -reach[2])
+            found += f"; in roles.pose turn the hip by {turn:.4f} rad about y, the ankle back"
+        require(along, "robot.model", expected, found)
         geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
         if self.has_knee:
             geometry["knee"] = _rounded(places["slide"] - above)

@@ -138,7 +138,7 @@ class Geometry:
 
 @dataclass(frozen=True, config=t.STRICT)
 class VirtualKnee:
-    """The revolute leg that stands for the slide in the gait solver; a leg with a knee has none."""
+    """The revolute leg that stands for the slide in the gait solver."""
 
     thigh_length: t.Positive[t.Metres]
     """l₁"""
@@ -207,6 +207,7 @@ class Mechanism:
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee | None
+    """null: gaits are in the leg's own joints, as those of a leg with a knee are"""
     joints: dict[str, Annotated[Joint, t.ordered("lower", "upper", strict=True)]]
     drives: dict[str, Drive]
     capstan: Capstan | None
@@ -214,13 +215,13 @@ class Mechanism:
 
     @property
     def sliding_leg(self) -> VirtualKnee:
-        """The virtual knee of a leg that slides.
+        """The virtual knee.
 
         Raises:
-            ValueError: the leg has a knee.
+            ValueError: the robot has none.
         """
         if self.virtual_knee is None:
-            raise ValueError("expected a leg that slides, found one with a knee")
+            raise ValueError("expected a robot with a virtual knee, found one without")
         return self.virtual_knee
 
     @property

@@ -37,7 +37,7 @@ def validate(config: Config) -> None:
     size = sum(sizes)
     require(size <= _MAX_GRID, "gait.grid", f"at most {_MAX_GRID} velocities", size)
     if config.robot.virtual_knee is None:  # gaits are in the leg's own coordinates
-        gait, expected = config.gait, "where the leg has a knee of its own"
+        gait, expected = config.gait, "without robot.virtual_knee"
         found = gait.kinematic_map
         require(found == "exact", "gait.kinematic_map", f"exact {expected}", found)
         require(gait.dynamics == "prismatic", "gait.dynamics", f"prismatic {expected}", "knee")
@@ -108,9 +108,8 @@ def _robot(robot: RobotConfig) -> None:
     expected = "a sum of y > 0 m: left hips are on the left"
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
     geometry, virtual = robot.geometry, robot.virtual_knee
-    one, found = (geometry.knee is None) != (virtual is None), "null" if virtual is None else "one"
-    expected = "lengths for a leg that slides, null for one with a knee"
-    require(one, "robot.virtual_knee", expected, found)
+    possible = geometry.knee is None or virtual is None
+    require(possible, "robot.virtual_knee", "null where the leg has a knee", "one")
     if virtual is not None:
         reach = virtual.thigh_length + virtual.shank_length
         expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"

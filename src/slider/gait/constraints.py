@@ -254,15 +254,18 @@ def of_walk(
 
 
 def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle.
+    """Bounds of the variables (10,) [rad, m]; ``position`` has those of pitch and ankle.
 
-    ``posture`` bounds the flexion; a knee of the robot's own counts from its nominal one.
+    ``posture`` bounds the flexion; a knee of the robot's own counts from its nominal one. A slide
+    without a virtual knee has its own range.
     """
     joints, posture, bend = form.robot.joints, form.config.posture, form.robot.geometry.bend
     yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
     knee = np.array([posture.knee_min, posture.knee_max])
     if bend:
         knee = np.sort(np.sign(bend) * knee - bend)
+    elif form.robot.virtual_knee is None:
+        knee = np.array([joints["slide"].lower, joints["slide"].upper])
     lower = np.tile([yaw.lower, roll.lower, -free, knee[0], -free], len(SIDES))
     upper = np.tile([yaw.upper, roll.upper, free, knee[1], free], len(SIDES))
     return lower, upper

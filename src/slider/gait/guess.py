@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slider.config.gait import StartSpread
-from slider.config.robot import Mechanism
+from slider.config.robot import Mechanism, leg_scale
 from slider.gait.problem import GaitProblem
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
@@ -55,7 +55,8 @@ def variables_of(layout: Layout, coefficients: np.ndarray, step_time: float) -> 
 def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> np.ndarray:
     """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical.
 
-    Knees of the robot's own bend from their nominal flexion in their own sense.
+    Knees of the robot's own bend from their nominal flexion in their own sense; a slide without a
+    virtual knee shortens the leg as a knee in its middle would.
     """
     s, bend = np.linspace(0.0, 1.0, count), robot.geometry.bend
     sense = np.sign(bend) or -1.0  # about y; the virtual knee's axis is −y, and it is straight at 0
@@ -63,6 +64,11 @@ def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> 
     stance = swing * (1 - 2 * s)
     bent = crouch + BUMP * np.sin(np.pi * s)
     for leg, forward, flexion in ((0, stance, crouch + 0 * s), (LEG_JOINTS, -stance, bent)):
+        if robot.virtual_knee is None and not bend:
+            length = robot.geometry.leg_length
+            joints[leg + 2], joints[leg + 4] = -forward, forward
+            joints[leg + 3] = LEG * leg_scale(length) * np.cos(flexion / 2) - length
+            continue
         turn = sense * flexion - bend
         joints[leg + 2] = -turn / 2 - forward
         joints[leg + 3] = turn if bend else -turn

@@ -3,8 +3,10 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.integrate import simpson
 
 from slider.config.convert import from_dict
 from slider.config.gait import FormulationConfig, SolveConfig
@@ -21,7 +23,8 @@ from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import ROLL_STATES
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
-from slider.robot.names import ACTUATED, VELOCITY, velocity_text
+from slider.robot.names import ACTUATED, NUM_JOINTS, VELOCITY, velocity_text
+from slider.robot.transmission import Transmission
 
 WORTH = 50
 """Gaits that pay for a compilation twice: it takes 15 s and saves each 0.6 s."""
@@ -68,6 +71,7 @@ def write_report(
         "cost": solve.cost,
         "cost_unit": COSTS[problem.form.config.cost].unit,
         "hip_share": float(forward.min()) / vx if vx > 0 else None,
+        **_measures(problem.form, arrays, vx),
         "max_violation": max(solve.max_violation, missing),
         "residuals": solve.residuals | {DECOUPLING: missing},
         "worst": solve.worst | {DECOUPLING: worst},
@@ -77,6 +81,18 @@ def write_report(
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     names = (*VELOCITY, "status", "converged", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
+
+
+def _measures(form: Formulation, arrays: dict[str, np.ndarray], vx: float) -> dict[str, Any]:
+    """Means over both steps: cost of transport of the motors [-], height of the base [m]."""
+    motors, rates = Transmission.of(form.robot), arrays["samples"][:, NUM_JOINTS : 2 * NUM_JOINTS]
+    power = np.abs(motors.torques(arrays["efforts"]) * motors.angles(rates)).sum(axis=1)
+    power, height = (
+        float(simpson(values.reshape(2, -1), axis=1).mean() * 2 / (len(values) - 2))
+        for values in (power, arrays["base"][:, 2])
+    )
+    transport = power / form.weight / vx if vx > 0 else None
+    return {"gait_transport": transport, "base_height": height}
 
 
 def gait_arrays(

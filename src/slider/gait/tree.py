@@ -146,7 +146,7 @@ def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
 class LegMap:
     """Hip pitch, leg length and ankle of the prismatic leg over the knee's flexion θ.
 
-    Of a leg that has a knee it is the identity: its gaits are in the leg's own coordinates.
+    Without a virtual knee it is the identity: gaits are in the leg's own coordinates.
 
     Attributes:
         shifts: θ → what adds to (hip pitch, 0, ankle) and the leg length (3,) [rad, m, rad].
@@ -161,7 +161,7 @@ class LegMap:
 
     @classmethod
     def of(cls, robot: Mechanism) -> "LegMap":
-        """The map of a robot's virtual knee, or of its knee."""
+        """The map of a robot's virtual knee, if it has one."""
         theta, nominal = ca.SX.sym("theta"), 0.0
         values = ca.vertcat(0, theta, 0)
         if robot.virtual_knee is not None:

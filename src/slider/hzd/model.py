@@ -98,7 +98,7 @@ class RootedModel:
     """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
 
     def __init__(self, robot: Mechanism, functions: Source = interpreted) -> None:
-        self.symbols, self.has_knee = RootedRobot(robot), robot.virtual_knee is None
+        self.symbols, self.has_knee = RootedRobot(robot), robot.geometry.knee is not None
         self._batch = partial(Batch, functions=functions)
 
     def constrained(

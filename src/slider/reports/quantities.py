@@ -116,6 +116,8 @@ GAIT_QUANTITIES = {
     "iterations": Quantity("Iterations of IPOPT"),
     "max_violation": Quantity("Worst residual at the nodes"),
     "step_time": Quantity("Step time", "s"),
+    "gait_transport": Quantity("Cost of transport of the gait", "-"),
+    "base_height": Quantity("Height of the base", "m"),
     "joints_difference": Quantity("Joints, from the reference", "rad"),
     "roll_difference": Quantity("Roll, from the reference", "rad"),
     "roll_end_difference": Quantity("Roll at the end, from the reference", "rad"),

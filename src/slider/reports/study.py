@@ -119,13 +119,16 @@ def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
     return gaits if section["same_cost"] is None else _with_optima(gaits, section["same_cost"])
 
 
+_OF_REPORT = ("cost", "gait_transport", "base_height")
+
+
 def _outcome(report: dict[str, Any], limit: float) -> rows.Row:
     converged, residuals = acceptable(report, limit), report["residuals"]
     return {
         "converged": float(converged),
         "status": report["status"],
         "iterations": float(report["iterations"]),
-        "cost": report["cost"] if converged else np.nan,
+        **{name: report[name] if converged else np.nan for name in _OF_REPORT},
         "torque_cost": np.nan,
         "max_violation": report["max_violation"],
         "worst_constraint": max(residuals, key=residuals.__getitem__),

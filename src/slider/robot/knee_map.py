@@ -116,8 +116,8 @@ def prismatic_joints(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities (N, 12) of the prismatic robot of knee legs (N, 10): eq. 1.
 
-    Upper feet rest; ``slide`` is zero at the nominal leg length. Of a leg that has a knee q and v
-    are its own.
+    Upper feet rest; ``slide`` is zero at the nominal leg length. Without a virtual knee q and v are
+    the leg's own.
     """
     if robot.virtual_knee is None:
         return with_upper_feet(q), with_upper_feet(v)
@@ -141,7 +141,7 @@ class KneeLengths:
 
     @classmethod
     def of(cls, robot: Mechanism) -> "KneeLengths | None":
-        """The virtual leg of a robot; none of a leg that has a knee."""
+        """The virtual leg of a robot, if it has one."""
         knee = robot.virtual_knee
         if knee is None:
             return None

@@ -69,7 +69,7 @@ class HzdSteps(Stepping):
         self._stretch = stretching(robot.geometry, np.zeros(()))
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
-        self._matrix = output_matrix(gaits.constraints.outputs, robot.virtual_knee is None)
+        self._matrix = output_matrix(gaits.constraints.outputs, robot.geometry.knee is not None)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]

@@ -138,7 +138,7 @@ def _down(pitch: float) -> np.ndarray:
     return np.array([-np.sin(pitch), -np.cos(pitch)])
 
 
-_NO_MAP = "The leg has a knee: its gaits are in its own coordinates, without a map."
+_NO_MAP = "The gaits are in the leg's own coordinates, without a map."
 _START = 0.1  # knee flexion from which speed errors add up [rad]
 _STOP = 1.75
 _KNEES = [KNEE_JOINTS.index(f"{side}_knee") for side in SIDES]

@@ -27,7 +27,6 @@ COMMANDS = {
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-control": ("slider.bench.controllers", "time the model-based controllers"),
-    "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.loop", "time physics, environment and training"),
     "library": ("slider.commands.gaits:library", "show what is in the gait library"),
     "gait": ("slider.commands.gaits:gait", "show or export one gait of the library"),

@@ -1,10 +1,11 @@
 """The stage ``tuning``: a search for a controller's settings with Optuna's Gaussian process.
 
 A trial is one set of settings at all speeds; the first has the present ones. Its score, to be
-minimised, is the mean over the speeds v of log10(e / v²): e is the mean over the robots of the
-squared velocity error after the warm-up, where a robot that falls counts with v², as if it had
-stood still. Few robots miss rare falls, so the present settings and the best trials are measured
-again as finalists, with more robots and other starts. A killed search goes on from its journal.
+minimised, is the mean over the speeds v of log10(e / v²) + 10 (1 − s), at most 0: e is the mean
+squared velocity error of the surviving robots after the warm-up, s the share that survives. So one
+per cent of falls weighs as much as a quarter more of error, and nothing more than to stand still.
+Few robots miss rare falls, so the present settings and the best trials are measured again as
+finalists, with more robots and other starts. A killed search goes on from its journal.
 """
 
 from collections.abc import Mapping
@@ -30,6 +31,7 @@ from slider.evaluation.stage import at_speeds, simulate
 
 CSV = "trials.csv"
 _JOURNAL = "trials.log"
+_PER_FALL = 10.0  # in the score, of all robots that fall
 FINALIST = "finalist"  # 0: a trial of the search; 1: measured again
 SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
 
@@ -115,11 +117,14 @@ def _measure(
 
 def scored(tracked: Tracking, speeds: list[float]) -> tuple[dict[str, float], float]:
     """Success and error of each speed [m/s], and the score, of robots in blocks of a speed."""
-    blocks, squares = (len(speeds), -1), np.square(speeds)
-    survived = tracked.survived.reshape(blocks)
-    errors = tracked.squared_error_steady.reshape(blocks)
-    errors = np.where(survived, errors, squares[:, None]).mean(axis=1)
     columns: dict[str, float] = {}
-    for speed, alive, error in zip(speeds, survived.mean(axis=1), errors, strict=True):
-        columns |= {f"{SUCCESS}_{speed:g}": float(alive), f"{ERROR}_{speed:g}": float(error)}
-    return columns, float(np.log10(errors / squares).mean())
+    scores, blocks = [], (len(speeds), -1)
+    survived, errors = (
+        each.reshape(blocks) for each in (tracked.survived, tracked.squared_error_steady)
+    )
+    for speed, alive, squares in zip(speeds, survived, errors, strict=True):
+        share = float(alive.mean())
+        error = float(squares[alive].mean()) if share else speed**2  # as if it stood still
+        columns |= {f"{SUCCESS}_{speed:g}": share, f"{ERROR}_{speed:g}": error}
+        scores.append(min(0.0, np.log10(error / speed**2) + _PER_FALL * (1.0 - share)))
+    return columns, float(np.mean(scores))

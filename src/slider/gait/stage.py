@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import simpson
 
 from slider.config.convert import from_dict
 from slider.config.gait import FormulationConfig, SolveConfig
@@ -88,7 +87,7 @@ def _measures(form: Formulation, arrays: dict[str, np.ndarray], vx: float) -> di
     motors, rates = Transmission.of(form.robot), arrays["samples"][:, NUM_JOINTS : 2 * NUM_JOINTS]
     power = np.abs(motors.torques(arrays["efforts"]) * motors.angles(rates)).sum(axis=1)
     power, height = (
-        float(simpson(values.reshape(2, -1), axis=1).mean() * 2 / (len(values) - 2))
+        float(np.trapezoid(values.reshape(2, -1), axis=1).mean() * 2 / (len(values) - 2))
         for values in (power, arrays["base"][:, 2])
     )
     transport = power / form.weight / vx if vx > 0 else None

@@ -11,6 +11,7 @@ import glfw
 import mujoco
 from mujoco import viewer
 
+from slider.config.robot import leg_scale
 from slider.core.errors import UserError
 from slider.env.rollout import Frame
 from slider.play import loop
@@ -25,7 +26,7 @@ _HELP = """keys: up, down     faster, slower            left, right   turn
       Backspace    start anew                End           next camera
       Esc          close the window"""
 
-_DISTANCE = 2.5  # of the camera [m]
+_DISTANCE = 2.5  # of the camera from SLIDER [m]
 
 _CHANGES = {
     glfw.KEY_UP: (0, 0.1),
@@ -77,6 +78,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
         )
     except (RuntimeError, mujoco.FatalError) as error:  # no window, or macOS without mjpython
         raise UserError(f"expected a window, found: {error}; --web needs none") from None
+    distance = _DISTANCE * leg_scale(scene.robot.geometry.leg_length)
     with window as handle:
         handle.cam.type = mujoco.mjtCamera.mjCAMERA_TRACKING
         handle.cam.trackbodyid = model.body(names.BASE).id
@@ -85,7 +87,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
             camera = control.take_camera()
             with handle.lock():
                 if camera is not None:
-                    aim(handle.cam, camera, _DISTANCE)
+                    aim(handle.cam, camera, distance)
                 data.qpos[:] = frame.qpos
                 data.time = frame.time
                 mujoco.mj_forward(model, data)

@@ -17,14 +17,14 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.evaluation import VideoConfig
-from slider.config.robot import RobotConfig
+from slider.config.robot import RobotConfig, leg_scale
 from slider.core.errors import UserError
 from slider.env.height_field import Ground
 from slider.env.rollout import Frame
 from slider.robot.scene import Relief, aim, build_scene
 
-_DISTANCE = 2.15  # of the camera [m]
-_BELOW = 0.25  # the base, what the camera looks at [m]
+_DISTANCE = 2.15  # of the camera from SLIDER [m]
+_BELOW = 0.25  # the base of SLIDER, what the camera looks at [m]
 _AROUND = 4.0  # ground that is drawn on all sides of the way [m]
 _CELL = 0.02  # of that ground [m]
 _COLUMN = 9.0  # width of a fact, in heights of a line
@@ -62,11 +62,11 @@ def render(
     """
     width, height = size
     model = build_scene(robot, width, height, relief)
-    data, views = mujoco.MjData(model), []
+    data, views, scale = mujoco.MjData(model), [], leg_scale(robot.geometry.leg_length)
     for name in cameras:
         views.append(mujoco.MjvCamera())
         views[-1].type = mujoco.mjtCamera.mjCAMERA_FREE
-        aim(views[-1], name, _DISTANCE)
+        aim(views[-1], name, _DISTANCE * scale)
     position, before = frames[0].qpos[:3].copy(), frames[0].time
     try:
         with mujoco.Renderer(model, height, width // len(views)) as renderer:
@@ -79,7 +79,7 @@ def render(
                 mujoco.mj_camlight(model, data)
                 pictures = []
                 for view in views:
-                    view.lookat[:] = position - [0.0, 0.0, _BELOW]
+                    view.lookat[:] = position - [0.0, 0.0, _BELOW * scale]
                     renderer.update_scene(data, view)
                     pictures.append(renderer.render())
                 yield np.hstack(pictures)

@@ -17,9 +17,9 @@ from slider.reports.rows import Row
 from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 _CAPTION = """\
-The score is the mean over the commands v of log10(e / v²), with e the mean squared velocity error
-of the robots after the warm-up; a robot that falls counts with v². Trial 0 is the present one.
-The tables show finalists, which have more robots.
+The score is the mean over the commands v of log10(e / v²) + 10 (1 − s), at most 0, with e the mean
+squared velocity error of the surviving robots after the warm-up and s their share. Trial 0 is the
+present one. The tables show finalists, which have more robots.
 """
 
 

@@ -118,9 +118,6 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
         rgba=[0.20, 0.28, 0.55, 1],
     )
     base.add_site(name=names.IMU)
-    track = mujoco.mjtCamLight.mjCAMLIGHT_TRACK
-    base.add_camera(name="side", pos=[0, -2.4, 0.0], xyaxes=[1, 0, 0, 0, 0.05, 1], mode=track)
-    base.add_camera(name="front", pos=[2.4, 0, 0.0], xyaxes=[0, 1, 0, -0.05, 0, 1], mode=track)
     return base
 
 

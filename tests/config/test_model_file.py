@@ -137,7 +137,7 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
             np.testing.assert_allclose(given, value, atol=1e-6, err_msg=f"{name}.{quantity}")
     both = robot.links.base.mass + 2 * robot.links.yaw.mass  # the yaw links are welded to it
     assert values["links"]["base"]["mass"] == pytest.approx(both)
-    assert values["links"]["yaw"]["mass"] == 0.01
+    assert values["links"]["yaw"]["mass"] == 0.001
     pitch = np.sum([values["geometry"]["axes"][name] for name in vars(geometry.axes)], axis=0)
     np.testing.assert_allclose(pitch, geometry.hip, atol=1e-6)
     assert values["geometry"]["leg_length"] == pytest.approx(geometry.leg_length)
@@ -164,7 +164,7 @@ def test_hinges_on_one_body_leave_light_links(tmp_path):
     path.write_text(xml, encoding="utf-8")
     found = read_model(path, ROLES | {"joints": ROLES["joints"] | {"upper_foot": None}})
     masses = [found.values["links"][name]["mass"] for name in ("yaw", "roll", "pitch")]
-    assert masses == [0.01, 0.01, 1]
+    assert masses == [0.001, 0.001, 1]
     assert found.differs[0] < 1e-9
     slide = found.values["joints"]["slide"]
     assert (slide["lower"], slide["upper"]) == (-0.1, 0.2)  # our slide grows downwards
@@ -288,9 +288,19 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
             'mass="1.97"',
             "expected legs that are alike (also in roles.pose), or roles.side",
         ),
-        (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "hip_roll joints that differ by"),
-        (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds the nominal pose"),
-        (XML, 'range="-0.785 0.785"', 'range="-45 45"', "a range that holds the nominal pose, in "),
+        (
+            XML,
+            'range="-0.785 0.785"',
+            'range="-0.785 0.5"',
+            "_roll and right_hip_roll that differ by",
+        ),
+        (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds roles.pose, in rad"),
+        (
+            XML,
+            'range="-0.785 0.785"',
+            'range="-45 45"',
+            "from -45 to 45 and its pose 0",
+        ),
         (
             XML,
             "<compiler ",

@@ -70,7 +70,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     None: (
         "finetuning control.*.observer *.friction",  # none, or the robot's
-        "robot.capstan robot.provenance.*",  # other drives are asked for; no tag
+        "robot.capstan robot.virtual_knee robot.provenance.*",  # others are asked for; no tag
         "protocols.*.profile verification.bounds.*",  # constant velocities; reported only
         "study.*.scaling study.*.starts",  # no further variants; own guesses
         "study.*.training study.sensitivity.evaluation",  # the pipeline's policy; gaits alone

@@ -37,14 +37,24 @@ def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFr
     return searched, job
 
 
-def test_falls_add_to_the_score_up_to_that_of_standing_still():
+def test_a_share_of_falls_adds_to_the_error():
     survived = np.array([True] * 20 + [False] + [True] * 19 + [False] * 20)
     errors = np.where(survived, 0.02, np.nan)
     tracked = Tracking(survived, errors, errors, errors, survived)
     columns, score = tuning.scored(tracked, [1.0, 2.0, 3.0])
     rates = {"success_rate_1": 1.0, "success_rate_2": 0.95, "success_rate_3": 0.0}
     assert columns == pytest.approx(rates | {"error_1": 0.02, "error_2": 0.02, "error_3": 9.0})
-    assert score == pytest.approx((np.log10(0.02) + np.log10(0.02 / 4.0) + 0.5 + 0.0) / 3)
+    assert score == pytest.approx((np.log10(0.02) + np.log10(0.005 + 0.005) + np.log10(1.1)) / 3)
+
+
+def test_the_more_robots_fall_the_worse_the_score():
+    scores = []
+    for falls in range(13):
+        survived = np.arange(12) >= falls
+        errors = np.where(survived, 0.01, np.nan)
+        tracked = Tracking(survived, errors, errors, errors, survived)
+        scores.append(tuning.scored(tracked, [1.0])[1])
+    assert np.all(np.diff(scores) > 0.0)
 
 
 def test_the_first_trial_is_the_present_one_and_a_search_repeats(tmp_path):

@@ -9,6 +9,7 @@ import pytest
 
 from slider.config.gait import StepTime
 from slider.gait import bezier
+from slider.gait.constraints import joint_bounds
 from slider.gait.formulation import Formulation, least_hip_rate
 from slider.gait.problem import build
 from slider.gait.solution import coefficients, dense_nodes, dense_violations, knee_trajectory
@@ -191,6 +192,7 @@ def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(has_knee):
     q, slide = knee_trajectory(gait, solve.variables).q, robot.joints["slide"]
     lower, upper = (posture.knee_min, posture.knee_max) if has_knee else (slide.lower, slide.upper)
     extension = q[:, [3, 8]] + robot.geometry.bend
+    assert has_knee or joint_bounds(gait.form)[1][3] == pytest.approx(slide.upper)
     assert lower - 1e-6 <= extension.min() < extension.max() <= upper
     np.testing.assert_array_equal(prismatic_joints(q, q, robot)[0], with_upper_feet(q))
 

@@ -6,14 +6,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from slider.core.job import Job
+from slider.gait.formulation import Node
 from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
 from slider.gait.stage import REPORT, WORTH, run
-from tests.gait.gaits import problem, quick_compiler, section, solver
+from slider.gait.transcription import NODE
+from tests.gait.gaits import nodes, problem, quick_compiler, section, solver
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -55,6 +58,20 @@ def test_a_reused_solver_gives_the_same_gait(gait):
     solver().solve(0.0, 0.0)  # another velocity in between leaves nothing behind
     expected = coefficients(problem(), solver().solve(0.6, 0.1).variables)[0]
     np.testing.assert_array_equal(np.load(gait[0] / "coefficients.npy"), expected)
+
+
+def test_the_report_has_cost_of_transport_and_height_of_the_base(gait):
+    """Against the expressions of the nodes."""
+    x, form = ca.SX.sym("x", NODE), problem().form
+    node = Node(form, x, ca.SX.zeros(2))
+    power = ca.sum1(ca.fabs(node.motor_torques * node.motor_speeds))
+    values = ca.Function("values", [x], [power, node.base.origin[2]]).map(42)(nodes(0.6, 0.1).T)
+    power, height = (
+        np.trapezoid(value.full().reshape(2, 21), dx=0.05, axis=1).mean() for value in values
+    )
+    report = json.loads((gait[0] / REPORT).read_text())
+    assert report["gait_transport"] == pytest.approx(power / form.weight / 0.6, rel=1e-9)
+    assert report["base_height"] == pytest.approx(height, rel=1e-9)
 
 
 def test_the_gait_converges_and_times_stay_outside(gait):

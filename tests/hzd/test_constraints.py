@@ -1,8 +1,12 @@
 """Virtual constraints of a step: re-anchored where the impact left the robot, gone by mid-step."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from slider.gait.outputs import JOINTS, SWING
+from slider.hzd.plans import StepPlan
+from tests.gait.gaits import config
 from tests.hzd.sample import settings, steps
 
 RNG = np.random.default_rng(3)
@@ -52,3 +56,20 @@ def test_a_displaced_foothold_moves_the_swing_leg_alone():
     assert (change[:, :SWING] == 0).all()
     assert (change[:, SWING:].max(axis=1) > 0.01).all()
     assert JOINTS < SWING
+
+
+def test_a_slide_that_is_displaced_keeps_the_height_of_its_foot_to_second_order():
+    """Also where gaits have no virtual knee; a leg with a knee has no such term."""
+    plan, leg = steps()[0], config().robot.geometry.leg_length
+    own, knee = replace(plan, lengths=None), replace(plan, lengths=None, slide_length=None)
+    moves = [displaced(each, [0.05, -0.04]) - displaced(each, [0.0, 0.0]) for each in (own, knee)]
+    linear = 0.05 * plan.placement[:, :, 0] - 0.04 * plan.placement[:, :, 1]
+    np.testing.assert_allclose(moves[1], linear, atol=1e-12)
+    np.testing.assert_allclose((moves[0] - moves[1])[:, 8], 0.0041 / (2 * leg), atol=1e-12)
+
+
+def displaced(plan: StepPlan, move: list[float]) -> np.ndarray:
+    """Joints (n, 10) at the end of steps whose foot is displaced [m]."""
+    constraints = plan.constraints(settings())
+    constraints.displacement[:] = move
+    return constraints.desired(np.ones(len(plan.duration)))[0][:, JOINTS:]

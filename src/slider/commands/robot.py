@@ -12,8 +12,8 @@ import numpy as np
 
 from slider.config.compose import compose
 from slider.config.model_file import ModelFile
-from slider.config.robot import RobotConfig
-from slider.config.robot_file import model_of
+from slider.config.robot import RobotConfig, parameters
+from slider.config.robot_file import read_option
 from slider.core.errors import require
 from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
@@ -39,13 +39,15 @@ def run(arguments: argparse.Namespace) -> None:
     model = build_model(robot, SimulationOptions())
     data = mujoco.MjData(model)  # all joints at zero
     mujoco.mj_forward(model, data)
-    print("\n".join(_lines(robot, data, model_of(arguments.robot))))
+    print("\n".join(_lines(robot, data, *(read_option(arguments.robot) or (None, None)))))
     if picture is not None:
         _draw(robot, data, picture)
         print(f"{picture} is ready")
 
 
-def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> Iterator[str]:
+def _lines(
+    robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None, given: set[str] | None
+) -> Iterator[str]:
     geometry = robot.geometry
     yield (
         f"{robot.name}: {data.model.body_subtreemass[0]:.2f} kg, base "
@@ -59,9 +61,16 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
             yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
         if model.turned > _LEVEL:
             angle = np.rad2deg(model.turned)
-            yield f"remark: the pose turns the feet by {angle:.0f}°: are they level?"
-        held = (f"{name} with {mass:.2f} kg" for name, mass in model.held.items())
+            yield (
+                f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
+                "are level there, the sum of hip, knee and ankle in roles.pose is wrong"
+            )
+        held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
+    if given is not None:
+        paths = [item.path for item in parameters(robot)]
+        rest = [path for path in paths if not any(f"{path}.".startswith(f"{k}.") for k in given)]
+        yield f"from the robot that it builds on: {', '.join(rest) or 'nothing'}"
     yield f"\n{'link':<12}{'mass [kg]':>10}  {'centre [m]':>24}  {'principal moments [kg m²]':>30}"
     for name, link in vars(robot.links).items():
         place = " ".join(f"{value:7.4f}" for value in link.com)
@@ -70,6 +79,7 @@ def _lines(robot: RobotConfig, data: mujoco.MjData, model: ModelFile | None) -> 
     if geometry.knee is not None:
         knee, sense = robot.joints["slide"], np.sign(geometry.bend)
         ends = np.rad2deg(sense * (np.array([knee.lower, knee.upper]) + geometry.bend))
+        ends = np.round(ends) + 0.0
         yield (
             f"\nslide is the knee: it points {'forward' if sense > 0 else 'backward'}, is bent by "
             f"{abs(np.rad2deg(geometry.bend)):.0f}° at zero, by {ends.min():.0f}° to "

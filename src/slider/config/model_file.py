@@ -40,7 +40,7 @@ _AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
-_LIGHT = {"mass": 0.01, "com": [0.0] * 3, "inertia": [1e-4] * 3, "products": [0.0] * 3}
+_LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
 _NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
 _ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
 _MIRROR = np.array([1.0, -1.0, 1.0])
@@ -128,7 +128,8 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
         differences[f"{name} axes"] = _relative(right.places[name] - place, length)
         joints = [np.array(list(leg.joints[name].values())) for leg in (left, right)]
         size = np.maximum(*np.abs(joints)).clip(1e-9)
-        differences[f"{name} joints"] = _relative((joints[1] - joints[0]) / size, 1.0)
+        what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
+        differences[what] = _relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
     difference = differences[worst]
     expected = "legs that are alike (also in roles.pose), or roles.side: left or right"
@@ -177,6 +178,7 @@ class _Leg:
         geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
         if self.has_knee:
             geometry["knee"] = _rounded(places["slide"] - above)
+            geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
             ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
             found = f"a knee {ahead:.3f} m off the line from hip to ankle"
             require(
@@ -269,7 +271,18 @@ class _Tree:
             order = [named[index] for index in reversed(chain) if index in named]
             expected = [role for role in LINKS if role in self._joints]
             expected = [r for r in expected if r == name or r not in ("ankle", "upper_foot")]
-            require(order == expected, key, ", ".join(expected), ", ".join(order))
+            if self._has_knee:
+                order, expected = (
+                    [_KNEE if role == "slide" else role for role in roles]
+                    for roles in (order, expected)
+                )
+            end = model.joint(self._joints[name][side]).name
+            text = f"{', '.join(expected)} from the base to {end}"
+            require(order == expected, "robot.roles.joints", text, ", ".join(order))
+
+    def names(self, role: str) -> list[str]:
+        """Left and right joint of a role."""
+        return [self._model.joint(index).name for index in self._joints.get(role, ())]
 
     def leg(self, side: int) -> _Leg:
         """The left or the right leg."""
@@ -296,7 +309,7 @@ class _Tree:
         return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
-        """Joints without a role, below no other such, and the mass that they carry [kg]."""
+        """Joints without a role, each with those below it, and the mass that they carry [kg]."""
         model, result, below = self._model, {}, set[int]()
         for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
             free = [k for k in self._joints_of(int(body)) if model.jnt_type[k] != _FREE]
@@ -338,8 +351,9 @@ class _Tree:
             sign = -sign  # the reflection turns these
         ends = sign * (model.jnt_range[index] - self._zero[index])
         most = np.inf if slides else 2 * np.pi
-        expected = "a range that holds the nominal pose" + ("" if slides else ", in rad")
-        found = f"{text} from {ends.min():.4g} to {ends.max():.4g}"
+        expected = "a range that holds roles.pose" + ("" if slides else ", in rad")
+        low, high = model.jnt_range[index]
+        found = f"{text} from {low:.4g} to {high:.4g} and its pose {self._zero[index]:.4g}"
         possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
         require(bool(possible), key, expected, found)
         dof = model.jnt_dofadr[index]

@@ -123,6 +123,11 @@ class Geometry:
         return x, y, z
 
     @property
+    def slide_length(self) -> float | None:
+        """Length of a leg at slide = 0 [m]; none of a leg that has a knee."""
+        return self.leg_length if self.knee is None else None
+
+    @property
     def bend(self) -> float:
         """Angle of a knee with all joints at zero [rad], > 0 where it points forward; else 0."""
         if self.knee is None:

@@ -78,10 +78,19 @@ def without_absent(robot: Any) -> None:
             robot[name] = kept
 
 
-def model_of(option: str) -> "ModelFile | None":
-    """What the model file of ``robot=option`` gives, if it is a file that names one."""
-    path = _path(f"robot={option}")
-    return _model(_content(path), path) if path else None
+def read_option(option: str) -> "tuple[ModelFile | None, set[str]] | None":
+    """What the model file of ``robot=option`` gives, if it is a file that names one.
+
+    Returns:
+        That, and the dotted keys of all values that file and model give; None where the option is
+        one of ``conf/robot``.
+    """
+    if (path := _path(f"robot={option}")) is None:
+        return None
+    node = _content(path)
+    model = _model(node, path)
+    given = flatten(model.values) if model else {}
+    return model, given.keys() | flatten(node).keys()
 
 
 def _path(text: str) -> Path | None:

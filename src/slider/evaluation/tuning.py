@@ -1,11 +1,11 @@
 """The stage ``tuning``: a search for a controller's settings with Optuna's Gaussian process.
 
 A trial is one set of settings at all speeds; the first has the present ones. Its score, to be
-minimised, is the mean over the speeds v of log10(e / v²) + 10 (1 − s), at most 0: e is the mean
-squared velocity error of the surviving robots after the warm-up, s the share that survives. So one
-per cent of falls weighs as much as a quarter more of error, and nothing more than to stand still.
-Few robots miss rare falls, so the present settings and the best trials are measured again as
-finalists, with more robots and other starts. A killed search goes on from its journal.
+minimised, is the mean over the speeds v of log10(e / v² + f / 10): e is the mean squared velocity
+error of the surviving robots after the warm-up (v² if there are none), f the share that falls. A
+sum e / v² + f would count one fall of twelve robots above all else. Few robots miss rare falls, so
+the present settings and the best trials are measured again as finalists, with more robots and other
+starts. A killed search goes on from its journal.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ from slider.evaluation.stage import at_speeds, simulate
 
 CSV = "trials.csv"
 _JOURNAL = "trials.log"
-_PER_FALL = 10.0  # in the score, of all robots that fall
+_PER_FALL = 0.1  # of v²
 FINALIST = "finalist"  # 0: a trial of the search; 1: measured again
 SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
 
@@ -126,5 +126,5 @@ def scored(tracked: Tracking, speeds: list[float]) -> tuple[dict[str, float], fl
         share = float(alive.mean())
         error = float(squares[alive].mean()) if share else speed**2  # as if it stood still
         columns |= {f"{SUCCESS}_{speed:g}": share, f"{ERROR}_{speed:g}": error}
-        scores.append(min(0.0, np.log10(error / speed**2) + _PER_FALL * (1.0 - share)))
+        scores.append(np.log10(error / speed**2 + _PER_FALL * (1.0 - share)))
     return columns, float(np.mean(scores))

@@ -6,11 +6,13 @@ import numpy as np
 
 from slider.config.gait import StartSpread
 from slider.config.robot import Mechanism, leg_scale
+from slider.gait.outputs import EXTENSION
 from slider.gait.problem import GaitProblem
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
 LEG = 0.65  # hip-ankle distance that turns SLIDER's speed into leg angle [m]
+_PER_RADIAN = 0.2  # of the leg's length, by which a bent knee shortens it
 BUMP = 0.6  # extra flexion of the swing knee [rad]
 
 
@@ -94,5 +96,7 @@ def random_start(
     robot, degree = problem.form.robot, problem.form.config.degree
     walk = crouched_walk(robot, stride / 2 / leg, degree + 1, crouch)
     noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
+    if robot.virtual_knee is None and robot.geometry.knee is None:
+        noise[:, [EXTENSION, LEG_JOINTS + EXTENSION]] *= _PER_RADIAN * robot.geometry.leg_length
     start = variables_of(problem.layout, walk + noise, step_time)
     return np.clip(start, *problem.variable_bounds(duration))

@@ -91,7 +91,8 @@ class StepConstraints:
         coefficients: Bézier coefficients of the virtual legs (n, 10, degree + 1) [rad].
         roll: of the stance foot's line (m = 1) [rad] over the phase.
         placement: D (n, 10, 2), joints that move the swing foot forward and left [rad/m, m/m].
-        lengths: of the virtual leg; none of a leg that has a knee.
+        lengths: of the virtual leg, if gaits have one.
+        slide_length: of a leg at slide = 0 [m]; none of a leg that has a knee.
         correction_end: phase at which the re-anchoring is over.
         placement_span: phases between which the foot is displaced.
         anchor: (n,) phase at which the last impact left the errors.
@@ -103,6 +104,7 @@ class StepConstraints:
     roll: NodeTable
     placement: np.ndarray
     lengths: KneeLengths | None
+    slide_length: float | None
     correction_end: float
     placement_span: tuple[float, float]
     anchor: np.ndarray = field(init=False)
@@ -162,8 +164,8 @@ class StepConstraints:
         span = end - start
         way = np.einsum("njk,nk->nj", self.placement, self.displacement)
         # A leg that is aside has farther to go: a slide keeps the foot's height to second order.
-        if self.lengths is not None:
-            way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * self.lengths.nominal)
+        if self.slide_length is not None:
+            way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * self.slide_length)
         share = smooth_step((phase - start) / span)
         return (
             way * share[0][:, None],

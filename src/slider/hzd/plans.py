@@ -31,7 +31,8 @@ class StepPlan:
         placement: D (n, 10, 2).
         duration: T (n,) [s].
         clock: whether the phase is time (n,).
-        lengths: of the virtual legs.
+        lengths: of the virtual legs, if gaits have them.
+        slide_length: see :class:`StepConstraints`.
     """
 
     coefficients: np.ndarray
@@ -42,6 +43,7 @@ class StepPlan:
     duration: np.ndarray
     clock: np.ndarray
     lengths: KneeLengths | None
+    slide_length: float | None
 
     @property
     def hip_share(self) -> np.ndarray:
@@ -56,6 +58,7 @@ class StepPlan:
             self.roll,
             self.placement,
             self.lengths,
+            self.slide_length,
             config.correction_end,
             (config.placement.lower, config.placement.upper),
         )
@@ -99,6 +102,7 @@ def _plan(
         duration,
         clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
+        library.robot.geometry.slide_length,
     )
     placement = model.placement(motion(plan, np.ones(n), config)[0])
     phase, rows = np.linspace(0.0, 1.0, _NODES), np.repeat(np.arange(n), _NODES)

@@ -17,8 +17,8 @@ from slider.reports.rows import Row
 from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 _CAPTION = """\
-The score is the mean over the commands v of log10(e / v²) + 10 (1 − s), at most 0, with e the mean
-squared velocity error of the surviving robots after the warm-up and s their share. Trial 0 is the
+The score is the mean over the commands v of log10(e / v² + f / 10), with e the mean squared
+velocity error of the surviving robots after the warm-up and f the share that falls. Trial 0 is the
 present one. The tables show finalists, which have more robots.
 """
 

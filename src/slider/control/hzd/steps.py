@@ -65,7 +65,8 @@ class HzdSteps(Stepping):
         plant: PlantModel,
     ) -> None:
         self._config, self._constraints = config, gaits.constraints
-        self._gaits, self._lengths = gaits, KneeLengths.of(robot)
+        self._gaits = gaits
+        self._lengths = KneeLengths.of(robot), robot.geometry.slide_length
         self._stretch = stretching(robot.geometry, np.zeros(()))
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
@@ -165,7 +166,7 @@ class HzdSteps(Stepping):
             steps.coefficients,
             steps.roll,
             steps.placement,
-            self._lengths,
+            *self._lengths,
             config.correction_end,
             (config.placement.lower, config.placement.upper),
         )

@@ -22,10 +22,9 @@ _ROLLS = 41
 _TOUCHDOWNS = np.linspace(0.5, 1.05, 221)  # phases at which the swing foot may land
 _MARGIN = 0.35  # of the drawn roll beyond the gait's, as a share of its range
 _KNEE, _SLIDE = (f"right_{name}" for name in ("knee", "slide"))  # of the swing leg
-_PANELS = (
-    (_KNEE, "virtual knee", "knee flexion [rad]", "its velocity [rad/s]"),
-    (_SLIDE, "prismatic joint", "slide [m]", "its velocity [m/s]"),
-)
+_VIRTUAL = (_KNEE, "virtual knee", "knee flexion [rad]", "its velocity [rad/s]")
+_OWN = (_SLIDE, "prismatic joint", "slide [m]", "its velocity [m/s]")
+_OWN_KNEE = (_SLIDE, "knee", "knee [rad]", "its velocity [rad/s]")
 
 
 @dataclass(frozen=True)
@@ -47,12 +46,14 @@ class Portrait:
 
 
 def draw(library: GaitLibrary) -> Figure:
-    """Virtual knee on the left, slide on the right."""
+    """Virtual knee on the left, slide on the right; without a virtual knee the leg's own joint."""
     gait = _shown(library)
     figure = new_figure(3.4)
     figure.set_layout_engine(None)  # which does not see the labels of three axes
-    for place, (joint, title, *labels) in enumerate(_PANELS):
-        bounds = (0.5 * place - 0.01, 0.0, 0.47, 1.0)
+    own = _OWN if library.robot.geometry.knee is None else _OWN_KNEE
+    panels = (own,) if library.robot.virtual_knee is None else (_VIRTUAL, own)
+    for place, (joint, title, *labels) in enumerate(panels):
+        bounds = (0.5 * place - 0.01 + 0.25 * (len(panels) == 1), 0.0, 0.47, 1.0)
         # In the order of drawing: the orbit in front of the surfaces.
         axes = figure.add_axes(bounds, projection="3d", computed_zorder=False)
         assert isinstance(axes, Axes3D)
@@ -67,16 +68,18 @@ def draw(library: GaitLibrary) -> Figure:
 def caption(library: GaitLibrary) -> str:
     """What the surfaces are, and of which gait."""
     vx, vy, _ = _shown(library).velocity
+    joint = "virtual knee (left) or slide (right); eq. 1 maps one to the other"
+    if library.robot.virtual_knee is None:
+        joint = "slide" if library.robot.geometry.knee is None else "knee"
     return (
         f"The gait at ({vx:g}, {vy:g}) m/s. Axes are the roll of the stance foot, which no motor "
-        "drives, and position and velocity of the swing leg's virtual knee (left) or slide "
-        "(right); eq. 1 maps one to the other. Z: all joints are on their virtual constraints, "
-        "whatever the roll; its rate, the fourth coordinate of the zero dynamics beside the "
-        "phase, is not drawn. S: with the joints on their constraints the swing foot touches the "
-        "ground; contact depends on positions alone, so S is upright. The orbit crosses S ∩ Z, "
-        "and the impact Δ takes it to the start of the next step, where the legs have changed "
-        "names. Z ends at the touchdown; where that is later than the gait's, the joints' "
-        "polynomials go on.\n"
+        f"drives, and position and velocity of the swing leg's {joint}. Z: all joints are on their "
+        "virtual constraints, whatever the roll; its rate, the fourth coordinate of the zero "
+        "dynamics beside the phase, is not drawn. S: with the joints on their constraints the "
+        "swing foot touches the ground; contact depends on positions alone, so S is upright. The "
+        "orbit crosses S ∩ Z, and the impact Δ takes it to the start of the next step, where the "
+        "legs have changed names. Z ends at the touchdown; where that is later than the gait's, "
+        "the joints' polynomials go on.\n"
     )
 
 

@@ -108,7 +108,8 @@ def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
             if variant == reference:
                 references[speed] = gait
             if speed in references:
-                row |= gait.difference(references[speed])
+                changes = gait.difference(references[speed])
+                row |= {name: changes[name] for name in changes if name in section["metrics"]}
         table.append(row)
     if not table:
         return pd.DataFrame(columns=KEYS)

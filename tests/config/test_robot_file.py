@@ -128,7 +128,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert config.env.termination.terms["base_height"] == pytest.approx(0.2)
     assert (posture.clearance, posture.swing_height) == (pytest.approx(0.025), 0.1)
     assert posture.foot_separation_max == pytest.approx(0.225)
-    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.0895, 0.2))
+    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.10275, 0.2))
     root, times = 0.5**0.5, config.gait.step_time
     assert (times.lower, times.upper) == pytest.approx((0.25 * root, 0.32 * root))
     assert config.gait.touchdown.forward == pytest.approx(0.3 * root)

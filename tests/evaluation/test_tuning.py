@@ -11,7 +11,7 @@ from slider.evaluation import tuning
 from slider.reports import tuning as report
 from tests.evaluation.test_baseline import section as baseline
 
-BOUNDS = {"step.apex": (0.05, 0.09), "planner.steps": (3.0, 4.0)}
+BOUNDS = {"step.apex": (0.05, 0.09), "planner.steps": (4.0, 5.0)}
 SPACE = {name: {"lower": a, "upper": b, "log": False} for name, (a, b) in BOUNDS.items()}
 
 
@@ -60,7 +60,7 @@ def test_the_more_robots_fall_the_worse_the_score():
 def test_the_first_trial_is_the_present_one_and_a_search_repeats(tmp_path):
     table, job = search(tmp_path / "a", "out")
     assert list(table["trial"]) == [0, 1, 2]
-    assert (table["step.apex"][0], table["planner.steps"][0]) == (0.064, 5)
+    assert (table["step.apex"][0], table["planner.steps"][0]) == (0.0522, 3)
     assert len(set(table["step.apex"])) == 3
     assert table["step.apex"].between(0.05, 0.09).all()
     assert table["planner.steps"].isin([3, 4, 5]).all(), "whole, and the present one among them"
@@ -85,7 +85,7 @@ def test_a_killed_search_goes_on(tmp_path, monkeypatch):
             search(tmp_path, "killed")
     table, job = search(tmp_path, "out")
     assert list(table["trial"]) == [0, 1, 2]
-    assert table["step.apex"][0] == 0.064, "the present one is first"
+    assert table["step.apex"][0] == 0.0522, "the present one is first"
     assert len(set(table["step.apex"])) == 3
     assert job.volatile == {"resumed": True}
 
@@ -121,7 +121,7 @@ def test_the_table_has_present_and_best_values(tmp_path):
     summary = report.run(table, searches, tmp_path / "out", Job(tmp_path / "work"))
     assert summary["trials"] == 3 + 3
     text = (tmp_path / "out" / "baseline_tuning.md").read_text()
-    assert "| step.apex | 0.05 to 0.09 | 0.064 |" in text
+    assert "| step.apex | 0.05 to 0.09 | 0.0522 |" in text
     assert "| Success rate [%], present | 100 | 100 |" in text
     rows = pd.read_csv(tmp_path / "out" / "baseline_tuning.csv")
     assert list(rows["controller"]) == 6 * ["mpc_wbc_tuned"]

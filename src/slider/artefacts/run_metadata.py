@@ -60,8 +60,21 @@ def config_option(overrides: str) -> str:
 
 def run_metadata(artefacts: Path) -> dict[str, str]:
     """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
-    path = artefacts / _START
-    if not path.is_file():
+    if not (artefacts / _START).is_file():
         return revision()
-    started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
-    return revision() | {"pipeline_started": started, "overrides": overrides.strip()}
+    started, overrides = _started(artefacts)
+    return revision() | {"pipeline_started": started, "overrides": overrides}
+
+
+def last_robot(artefacts: Path) -> list[str]:
+    """Overrides of the last pipeline run that are about the robot; none before the first."""
+    if not (artefacts / _START).is_file():
+        return []
+    overrides = shlex.split(_started(artefacts)[1])
+    return [text for text in overrides if text.startswith(("robot=", "robot."))]
+
+
+def _started(artefacts: Path) -> tuple[str, str]:
+    """Start of the last pipeline run, and its overrides."""
+    started, _, overrides = (artefacts / _START).read_text("utf-8", "replace").partition("\n")
+    return started, overrides.strip()

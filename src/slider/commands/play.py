@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from slider.artefacts.current import add_store_argument, current_folder
+from slider.artefacts.run_metadata import last_robot
 from slider.artefacts.store import Store
 from slider.commands.runs import check_port
 from slider.config.control import POLICY, SMOKE_AGENTS
@@ -61,8 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="KEY=VALUE",
-        help="overrides of the configuration, such as evaluation=robust; a policy walks on its "
-        "own robot and environment, unless they change these",
+        help="overrides, such as evaluation=robust; the robot is that of Snakemake's last run, a "
+        "policy walks on its own robot and environment, unless they change these",
     )
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     add_store_argument(parser)
@@ -143,7 +144,10 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     from slider.library.choose import current_gaits, library_path
     from slider.play import scenes
 
-    config = checked(compose(arguments.set, arguments.conf))
+    robot = last_robot(arguments.artefacts)
+    if any(text.startswith("robot=") for text in arguments.set):
+        robot = []
+    config = checked(compose([*robot, *arguments.set], arguments.conf))
     if arguments.gait is not None:
         velocity = [*arguments.gait, 0.0][:3]
         return scenes.gait_scene(library_path(arguments), velocity, config)
@@ -155,5 +159,5 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     if path is None:
         store = Store(arguments.artefacts)
         path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE
-    plain = compose([], arguments.conf)
+    plain = compose(robot, arguments.conf)
     return scenes.policy_scene(path, config, plain, arguments.seed)

@@ -1,5 +1,6 @@
 """Robots from model files: our own through the same door, a URDF in frames of any direction."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -312,3 +313,17 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
 def test_a_mistake_is_one_line(folder, name, before, after, message):
     change(folder / name, before, after)
     assert message in refusal([f"robot={folder}/robot.yaml"])
+
+
+def test_the_example_of_the_tutorial(tmp_path, capsys):
+    """What it inherits is listed; a hip that is wrong by 0.0455 rad is told so."""
+    folder = shutil.copytree(CONF.parent / "docs/examples/robots/bruce", tmp_path / "bruce")
+    assert main(["robot", str(folder), "--conf", str(CONF)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("BRUCE: 4.53 kg, base 0.450 m above the ground")
+    (rest,) = (line for line in said if line.startswith("from the robot that it builds on: "))
+    assert "contact.friction" in rest
+    assert "torque" not in rest
+    text = (folder / "robot.yaml").read_text()
+    (folder / "robot.yaml").write_text(text.replace("hip_pitch: -0.3455", "hip_pitch: -0.3"))
+    assert "turn the hip by -0.0455 rad about y" in refusal([f"robot={folder}"])

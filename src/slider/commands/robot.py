@@ -54,23 +54,8 @@ def _lines(
         f"{geometry.standing_height:.3f} m above the ground, legs of {geometry.leg_length:.3f} m, "
         f"{2 * geometry.hip[1]:.3f} m apart"
     )
-    if model is not None:
-        difference, part = model.differs
-        yield f"left and right differ by {difference:.1%} ({part})"
-        if abs(model.lateral) > _SEEN:
-            yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
-        if model.turned > _LEVEL:
-            angle = np.rad2deg(model.turned)
-            yield (
-                f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
-                "are level there, the sum of hip, knee and ankle in roles.pose is wrong"
-            )
-        held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
-        yield f"held: {', '.join(held) or 'nothing'}"
     if given is not None:
-        paths = [item.path for item in parameters(robot)]
-        rest = [path for path in paths if not any(f"{path}.".startswith(f"{k}.") for k in given)]
-        yield f"from the robot that it builds on: {', '.join(rest) or 'nothing'}"
+        yield from _origins(robot, model, given)
     yield f"\n{'link':<12}{'mass [kg]':>10}  {'centre [m]':>24}  {'principal moments [kg m²]':>30}"
     for name, link in vars(robot.links).items():
         place = " ".join(f"{value:7.4f}" for value in link.com)
@@ -98,6 +83,26 @@ def _lines(
         unit = "N" if name == "slide" and geometry.knee is None else "N m"
         yield f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
     yield from _remarks(robot, data, shares[: len(robot.leg_motors)])
+
+
+def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> Iterator[str]:
+    """What the model file gives, and which values the robot's file leaves to another."""
+    if model is not None:
+        difference, part = model.differs
+        yield f"left and right differ by {difference:.1%} ({part})"
+        if abs(model.lateral) > _SEEN:
+            yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
+        if model.turned > _LEVEL:
+            angle = np.rad2deg(model.turned)
+            yield (
+                f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
+                "are level there, the sum of hip, knee and ankle in roles.pose is wrong"
+            )
+        held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
+        yield f"held: {', '.join(held) or 'nothing'}"
+    paths = [item.path for item in parameters(robot)]
+    rest = [path for path in paths if not any(f"{path}.".startswith(f"{k}.") for k in given)]
+    yield f"from the robot that it builds on: {', '.join(rest) or 'nothing'}"
 
 
 def _remarks(robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray) -> Iterator[str]:

@@ -140,7 +140,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert terms["lateral_velocity_filtered"].params["width"] == pytest.approx(0.1 * root)
     assert terms["foot_slip"].params["width"] == pytest.approx(0.025)
     assert terms["forward_velocity_filtered"].params["width"] == pytest.approx(0.0015)
-    assert config.control["hzd"].change.faster == pytest.approx(0.65 * root)
+    assert config.control["hzd"].change.faster == pytest.approx(0.6262 * root)
     assert config.hzd.feedback.reach == pytest.approx(0.125)
     found = refusal([file, "env.termination.terms.base_height=0.4"])
     assert found.endswith("less than 0.365 m, at which the robot stands, found 0.4")

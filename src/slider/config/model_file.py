@@ -1,70 +1,32 @@
 """Links, axes and joints of a robot from its model file (MJCF or URDF) and a table of roles.
 
-MuJoCo compiles the file. Joints without a role are held, and their bodies are welded to the link
-above. Frames are those of ``conf/robot``: parallel to the base's where joints are at zero.
+Frames are those of ``conf/robot``: parallel to the base's where joints are at zero.
 """
 
-# mujoco has no type stubs for its compiled part.
-# pyright: reportAttributeAccessIssue=false
-
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-import mujoco
 import numpy as np
-from pydantic.dataclasses import dataclass as checked_dataclass
 
-from slider.config import types as t
 from slider.config.convert import from_dict
+from slider.config.model_tree import (
+    LINKS,
+    MAX_DIFFERENCE,
+    MIRROR,
+    Link,
+    ModelTree,
+    Roles,
+    compiled,
+    relative,
+    rounded,
+)
 from slider.config.robot import LEAST_BEND
-from slider.core.errors import UserError, require
+from slider.core.errors import require
 
-LINKS = {
-    "hip_yaw": "yaw",
-    "hip_roll": "roll",
-    "hip_pitch": "pitch",
-    "slide": "tube",
-    "ankle": "foot",
-    "upper_foot": "upper_foot",
-}
-"""Joint, and the link below it; a knee has the place of the slide."""
-_KNEE = "knee"
-ABSENT = ("hip_yaw", "upper_foot")
-"""Joints that a machine may lack: a light link and a narrow range take their place."""
-_AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
-    "hip_yaw": (0.0, 0.0, 1.0),
-    "hip_roll": (1.0, 0.0, 0.0),
-    "slide": (0.0, 0.0, -1.0),
-}
-_MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
-_FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
-_ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
-_MIRROR = np.array([1.0, -1.0, 1.0])
-_MAX_TILT = 1e-3  # of an axis against the frame's [rad]
 _MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis [m]
-_MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
-_MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
-
-
-@checked_dataclass(frozen=True, config=t.STRICT)
-class Roles:
-    """What the parts of a model file are for.
-
-    Attributes:
-        base: name of a body.
-        joints: left and right joint of each role, null for a role that the machine lacks.
-        pose: positions of joints that count as zero or are held there.
-        side: leg to take where the two differ.
-    """
-
-    base: t.Name
-    joints: dict[str, tuple[t.Name, t.Name] | None]
-    pose: dict[str, t.Number] = field(default_factory=dict)
-    side: Literal["left", "right"] | None = None
 
 
 @dataclass(frozen=True)
@@ -86,54 +48,30 @@ class ModelFile:
     turned: float
 
 
-@dataclass(frozen=True)
-class _Link:
-    """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it, axes of the base."""
-
-    mass: float
-    com: np.ndarray
-    inertia: np.ndarray
-
-    def mirrored(self) -> "_Link":
-        return _Link(self.mass, self.com * _MIRROR, self.inertia * np.outer(_MIRROR, _MIRROR))
-
-    def difference(self, other: "_Link", length: float) -> float:
-        """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
-        if self.mass == other.mass == 0.0:
-            return 0.0
-        scale = max(self.mass, other.mass), length, np.abs(self.inertia).max()
-        parts = self.mass - other.mass, self.com - other.com, self.inertia - other.inertia
-        return max(_relative(part, size) for part, size in zip(parts, scale, strict=True))
-
-    def values(self, origin: np.ndarray) -> dict[str, Any]:
-        moments, products = np.diag(self.inertia), self.inertia[[0, 0, 1], [1, 2, 2]]
-        values = {"mass": self.mass, "com": self.com - origin, "inertia": moments}
-        return {name: _rounded(value) for name, value in (values | {"products": products}).items()}
-
-
 def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
 
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
-    roles, model = from_dict(Roles, values, "robot.roles"), _compiled(path)
-    tree = _Tree(model, roles)
-    left, right = tree.leg(0), tree.leg(1).mirrored()
+    roles, model = from_dict(Roles, values, "robot.roles"), compiled(path)
+    tree = ModelTree(model, roles)
+    left, right = (_Leg(*tree.leg(side), tree.has_knee) for side in range(2))
+    right = right.mirrored()
     length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
     differences = {}
     for name, place in left.places.items():
         links = right.links[name], left.links[name]
         differences[f"{LINKS[name]} links"] = links[0].difference(links[1], length)
-        differences[f"{name} axes"] = _relative(right.places[name] - place, length)
+        differences[f"{name} axes"] = relative(right.places[name] - place, length)
         joints = [np.array(list(leg.joints[name].values())) for leg in (left, right)]
         size = np.maximum(*np.abs(joints)).clip(1e-9)
         what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
-        differences[what] = _relative((joints[1] - joints[0]) / size, 1.0)
+        differences[what] = relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
     difference = differences[worst]
     expected = "legs that are alike (also in roles.pose), or roles.side: left or right"
-    alike = roles.side is not None or difference <= _MAX_DIFFERENCE
+    alike = roles.side is not None or difference <= MAX_DIFFERENCE
     require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
     leg = right if roles.side == "right" else left
     lateral = leg.places["ankle"][1]
@@ -151,13 +89,13 @@ class _Leg:
     """A leg in the base's frame: places of its axes [m], links and joints by role."""
 
     places: dict[str, np.ndarray]
-    links: dict[str, _Link]
+    links: dict[str, Link]
     joints: dict[str, dict[str, float]]
     has_knee: bool
 
     def mirrored(self) -> "_Leg":
-        """The right leg as a left one; its joints' ranges are those of ``_Tree.leg``."""
-        places = {name: place * _MIRROR for name, place in self.places.items()}
+        """The right leg as a left one; its joints' ranges are those of ``ModelTree.leg``."""
+        places = {name: place * MIRROR for name, place in self.places.items()}
         links = {name: link.mirrored() for name, link in self.links.items()}
         return _Leg(places, links, self.joints, self.has_knee)
 
@@ -166,7 +104,7 @@ class _Leg:
         places, above = self.origins(), np.zeros(3)
         axes: dict[str, Any] = {}
         for name in ("hip_yaw", "hip_roll", "hip_pitch"):
-            axes[name], above = _rounded(places[name] - above), places[name]
+            axes[name], above = rounded(places[name] - above), places[name]
         reach = places["ankle"] - above
         along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
         expected = "an ankle below the pitch axis in the nominal pose"
@@ -175,9 +113,9 @@ class _Leg:
             turn = np.arctan2(reach[0], -reach[2])
             found += f"; in roles.pose turn the hip by {turn:.4f} rad about y, the ankle back"
         require(along, "robot.model", expected, found)
-        geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
+        geometry = {"axes": axes, "leg_length": rounded(-reach[2])}
         if self.has_knee:
-            geometry["knee"] = _rounded(places["slide"] - above)
+            geometry["knee"] = rounded(places["slide"] - above)
             geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
             ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
             found = f"a knee {ahead:.3f} m off the line from hip to ankle"
@@ -189,7 +127,7 @@ class _Leg:
             expected = "an upper foot above the pitch axis in the nominal pose"
             possible = float(np.abs(offset[:2]).max()) <= _MAX_OFFSET and offset[2] > 0.0
             require(possible, "robot.model", expected, f"{np.round(offset, 4).tolist()} m from it")
-            geometry["upper_foot_height"] = _rounded(places["upper_foot"][2] - above[2])
+            geometry["upper_foot_height"] = rounded(places["upper_foot"][2] - above[2])
         return geometry
 
     def described(self) -> dict[str, Any]:
@@ -212,247 +150,3 @@ class _Leg:
             x, _, z = places[name if self.has_knee else "hip_pitch"]
             places[name] = np.array([x, places["ankle"][1], z])
         return places
-
-
-class _Tree:
-    """A compiled model in its nominal pose, the base at the origin."""
-
-    def __init__(self, model: mujoco.MjModel, roles: Roles) -> None:
-        self._has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
-        self._model, self._data = model, mujoco.MjData(model)
-        self._roles = {index for pair in self._joints.values() for index in pair}
-        self._base = _index(model, "body", roles.base, "robot.roles.base")
-        require(self._base > 0, "robot.roles.base", "the body of the base", "world")
-        self._zero = self._pose(roles.pose)
-        mujoco.mj_kinematics(model, self._data)
-        mujoco.mj_comPos(model, self._data)
-        self._origin = self._data.xpos[self._base]
-        self._turn = self._data.xmat[self._base].reshape(3, 3).T
-        self._owners = self._find_owners()
-        for side in range(2):
-            self._check_order(side)
-
-    def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
-        """Positions (njnt,) that count as zero."""
-        model, zero = self._model, np.zeros(self._model.njnt)
-        for name, value in pose.items():
-            zero[_index(model, "joint", name, "robot.roles.pose")] = value
-        for index in range(model.njnt):
-            if model.jnt_type[index] in _MOVES:
-                self._data.qpos[model.jnt_qposadr[index]] = zero[index]
-        return zero
-
-    def _find_owners(self) -> np.ndarray:
-        """Joint with a role (nbody,) that moves each body, −1 for the base, −2 for others."""
-        model, owners = self._model, np.full(self._model.nbody, -2)
-        for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
-            own = [index for index in self._joints_of(int(body)) if index in self._roles]
-            parent = owners[model.body_parentid[body]]  # parents come first
-            owners[body] = own[-1] if own else max(parent, -1)
-        return owners
-
-    def _joints_of(self, body: int) -> range:
-        start = self._model.body_jntadr[body]
-        return range(start, start + self._model.body_jntnum[body])
-
-    def _check_order(self, side: int) -> None:
-        """Joints with a role follow one another from the base to the ankle."""
-        model = self._model
-        for name in ("ankle", "upper_foot"):
-            if name not in self._joints:
-                continue
-            chain, body = [], model.jnt_bodyid[self._joints[name][side]]
-            while body > 0 and body != self._base:
-                chain += reversed(self._joints_of(body))
-                body = model.body_parentid[body]
-            key = f"robot.roles.joints.{name}"
-            require(body == self._base, key, "a joint below the base", model.joint(chain[0]).name)
-            named = {pair[side]: role for role, pair in self._joints.items()}
-            order = [named[index] for index in reversed(chain) if index in named]
-            expected = [role for role in LINKS if role in self._joints]
-            expected = [r for r in expected if r == name or r not in ("ankle", "upper_foot")]
-            if self._has_knee:
-                order, expected = (
-                    [_KNEE if role == "slide" else role for role in roles]
-                    for roles in (order, expected)
-                )
-            end = model.joint(self._joints[name][side]).name
-            text = f"{', '.join(expected)} from the base to {end}"
-            require(order == expected, "robot.roles.joints", text, ", ".join(order))
-
-    def names(self, role: str) -> list[str]:
-        """Left and right joint of a role."""
-        return [self._model.joint(index).name for index in self._joints.get(role, ())]
-
-    def leg(self, side: int) -> _Leg:
-        """The left or the right leg."""
-        places, links, joints = {}, {}, {}
-        for name, pair in self._joints.items():
-            places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
-            links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
-            joints[name] = self._joint(name, side)
-        absent = [name for name in ABSENT if name not in joints]
-        joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
-        return _Leg(places, links, joints, self._has_knee)
-
-    def base(self) -> tuple[_Link, float]:
-        """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
-        base = self._joined(np.flatnonzero(self._owners == -1))
-        expected = f"a base whose centre has y = 0 within {_MAX_LATERAL} m"
-        lateral = base.com[1]
-        require(abs(lateral) <= _MAX_LATERAL, "robot.model", expected, f"{lateral:.4f} m")
-        skewed = _relative(base.inertia - base.mirrored().inertia, np.abs(base.inertia).max())
-        expected = f"a base with Ixy = Iyz = 0 within {_MAX_DIFFERENCE:.0%} of its moments"
-        found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
-        require(skewed <= 2 * _MAX_DIFFERENCE, "robot.model", expected, found)
-        symmetric = (base.inertia + base.mirrored().inertia) / 2
-        return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
-
-    def held(self) -> dict[str, float]:
-        """Joints without a role, each with those below it, and the mass that they carry [kg]."""
-        model, result, below = self._model, {}, set[int]()
-        for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
-            free = [k for k in self._joints_of(int(body)) if model.jnt_type[k] != _FREE]
-            held = [index for index in free if index not in self._roles]
-            nested = model.body_parentid[body] in below  # parents come first
-            if held and not nested:
-                name = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
-                result[name] = float(model.body_subtreemass[body])
-            if held or nested:
-                below.add(int(body))
-        return result
-
-    def turned(self) -> float:
-        """By how much the pose turns the left foot against the model's own zero [rad]."""
-        foot = self._model.jnt_bodyid[self._joints["ankle"][0]]
-        posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
-        rest = mujoco.MjData(self._model)
-        mujoco.mj_kinematics(self._model, rest)
-        base, own = (rest.xmat[body].reshape(3, 3) for body in (self._base, foot))
-        cosine = (np.trace(posed @ (base.T @ own).T) - 1.0) / 2.0
-        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-
-    def _joint(self, name: str, side: int) -> dict[str, float]:
-        """Range and passive properties, of a left leg."""
-        model, index = self._model, self._joints[name][side]
-        key = f"robot.roles.joints.{_KNEE if name == 'slide' and self._has_knee else name}"
-        slides, text = name == "slide" and not self._has_knee, model.joint(index).name
-        possible = model.jnt_type[index] == _MOVES[slides]
-        expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
-        require(possible, key, expected, text)
-        axis = self._turn @ self._data.xaxis[index]
-        along = _AXES["ankle" if name == "slide" and self._has_knee else name]
-        sign = float(np.sign(axis @ along))
-        possible = np.abs(sign * axis - along).max() <= _MAX_TILT
-        expected = f"an axis along {'xyz'[int(np.abs(along).argmax())]}"
-        require(possible, key, expected, f"{text} along {np.round(axis, 3).tolist()}")
-        require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
-        if side == 1 and name in ("hip_yaw", "hip_roll"):
-            sign = -sign  # the reflection turns these
-        ends = sign * (model.jnt_range[index] - self._zero[index])
-        most = np.inf if slides else 2 * np.pi
-        expected = "a range that holds roles.pose" + ("" if slides else ", in rad")
-        low, high = model.jnt_range[index]
-        found = f"{text} from {low:.4g} to {high:.4g} and its pose {self._zero[index]:.4g}"
-        possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
-        require(bool(possible), key, expected, found)
-        dof = model.jnt_dofadr[index]
-        values = {"lower": ends.min(), "upper": ends.max(), "damping": model.dof_damping[dof]}
-        values["armature"] = model.dof_armature[dof]
-        return {name: _rounded(value) for name, value in values.items()}
-
-    def _joined(self, bodies: np.ndarray) -> _Link:
-        """Bodies as one, in the base's frame."""
-        model, data = self._model, self._data
-        masses = model.body_mass[bodies]
-        mass = float(masses.sum())
-        places = (data.xipos[bodies] - self._origin) @ self._turn.T
-        com = masses @ places / mass if mass > 0.0 else np.zeros(3)
-        inertia = np.zeros((3, 3))
-        for body, place in zip(bodies, places - com, strict=True):
-            turn = self._turn @ data.ximat[body].reshape(3, 3)
-            inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T
-            spread = (place @ place) * np.eye(3) - np.outer(place, place)
-            inertia += model.body_mass[body] * spread
-        return _Link(mass, com, inertia)
-
-
-def _compiled(path: Path) -> mujoco.MjModel:
-    """The model without meshes, sensors and actuators."""
-    require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
-    warn, warnings = mujoco.get_mju_user_warning(), []
-    mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        _strip(spec, path.suffix == ".urdf")
-        model = spec.compile()
-    except (ValueError, OSError) as error:
-        text = " ".join([*str(error).split(), *" ".join(warnings).split()])
-        raise UserError(f"robot.model: {path.name}: {text}") from None
-    finally:
-        mujoco.set_mju_user_warning(warn)
-    finite = np.isfinite(model.body_mass).all() and np.isfinite(model.body_inertia).all()
-    require(bool(finite), "robot.model", "finite masses and inertias", "others")
-    return model
-
-
-def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
-    """Delete what needs further files, or names what is deleted."""
-    geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
-    from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
-    for geom in list(spec.geoms):
-        geom.material, body = "", geom.parent
-        shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
-        weighs = body.explicitinertial or body == spec.worldbody or not (shaped or urdf)
-        require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
-        if shaped:
-            spec.delete(geom)
-    drives = [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]
-    links = [*spec.excludes, *spec.equalities, *spec.skins, *spec.meshes, *spec.hfields]
-    for part in [*drives, *links, *spec.materials, *spec.textures]:
-        spec.delete(part)
-    spec.compiler.fusestatic = False  # a URDF's root would be part of the world
-
-
-def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
-    """Left and right joint of each role that the machine has."""
-    table, key = dict(roles.joints), "robot.roles.joints"
-    if _KNEE in table:
-        require("slide" not in table, key, f"slide or {_KNEE}", "both")
-        expected = f"null with a {_KNEE}"
-        require(table.get("upper_foot") is None, f"{key}.upper_foot", expected, "joints")
-        table["slide"] = table.pop(_KNEE)
-    expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide"
-    require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
-    lacks = [name for name, pair in roles.joints.items() if pair is None and name not in ABSENT]
-    require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
-    pairs: dict[str, tuple[int, int]] = {}
-    for name, pair in table.items():
-        if pair is not None:
-            left, right = (_index(model, "joint", joint, key) for joint in pair)
-            pairs[name] = left, right
-    used = [index for pair in pairs.values() for index in pair]
-    require(len(set(used)) == len(used), key, "each joint once", "one for two roles")
-    return pairs
-
-
-def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
-    """Number of the joint or body of a name."""
-    try:
-        return getattr(model, kind)(name).id
-    except KeyError as error:  # MuJoCo lists the names
-        raise UserError(f"{key}: expected a {kind} of the model. {error.args[0]}") from None
-
-
-def _relative(difference: Any, size: float) -> float:
-    """Largest element in units of ``size``; infinite where it is no number."""
-    value = float(np.abs(difference).max() / size) if size > 0.0 else np.inf
-    return value if np.isfinite(value) else np.inf
-
-
-def _rounded(value: Any) -> Any:
-    """Numbers of nine digits and twelve decimals, so that they are the same on every machine."""
-    if np.ndim(value):
-        return [_rounded(item) for item in value]
-    return round(float(f"{value:.9g}"), 12) + 0.0

@@ -23,7 +23,7 @@ COLUMNS = [
     *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
 ]
 
-SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "mine"}
+SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "slider"}
 
 
 def test_some_of_the_papers_numbers():
@@ -33,11 +33,11 @@ def test_some_of_the_papers_numbers():
     assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
 
 
-def run_stage(folder, found, **inputs):
+def run_stage(folder, found, section=SECTION, **inputs):
     out = folder / "out"
     out.mkdir()
     inputs["evaluations"] = [write_evaluation(folder / str(v), v, one) for v, one in found.items()]
-    return table1.run(SECTION, inputs, out, Job(folder)), out
+    return table1.run(section, inputs, out, Job(folder)), out
 
 
 def test_the_stage(tmp_path):
@@ -45,7 +45,7 @@ def test_the_stage(tmp_path):
     falls = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
     summary, out = run_stage(tmp_path, {0.2: walks, 3.0: falls})
     assert summary == {"rows": 2}
-    assert all("Robot: mine" in (out / f"table1.{end}").read_text() for end in ("md", "tex"))
+    assert all("Robot: slider" in (out / f"table1.{end}").read_text() for end in ("md", "tex"))
     rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
     assert list(rows[0]) == COLUMNS
     ours = [row for row in rows if row["source"] == "measured"]
@@ -58,6 +58,13 @@ def test_the_stage(tmp_path):
     assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
     assert {quality[1][name] for name in QUALITY} == {""}
     assert {row["reference_velocity_variance"] for row in quality} == {""}, "there is no library"
+
+
+def test_the_paper_has_no_rows_of_another_robot(tmp_path):
+    walks = make_robots([[1, 1]], [[0.5, 0.25]])
+    _, out = run_stage(tmp_path, {0.2: walks}, SECTION | {"robot": "BRUCE"})
+    (row,) = csv.DictReader((out / "table1.csv").read_text().splitlines())
+    assert row["source"] == "measured"
 
 
 def test_extremes_are_those_of_all_robots_that_survive():

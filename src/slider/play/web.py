@@ -8,6 +8,7 @@ from mujoco.studio import launch_thread, messages, plugin, viewer_protocol
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 from mujoco.studio.web_viewer import WebViewer
 
+from slider.config.robot import leg_scale
 from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.loop import PUSH, Control
@@ -15,16 +16,16 @@ from slider.play.scenes import Scene
 from slider.robot import names
 from slider.robot.scene import aim, build_scene
 
-_DISTANCE = 2.8  # of the camera [m]
+_DISTANCE = 2.8  # of the camera from SLIDER [m]
 _ONCE = 4  # ImGui: only when the window first appears
 _SLIDERS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
 
 
 class Panel(plugin.ViewerPlugin):
-    """Sliders and buttons that write into a :class:`Control`."""
+    """Sliders and buttons that write into a :class:`Control`; ``distance`` of the camera [m]."""
 
-    def __init__(self, control: Control) -> None:
-        self._control = control
+    def __init__(self, control: Control, distance: float) -> None:
+        self._control, self._distance = control, distance
         self._followed: mujoco.MjModel | None = None
         self.status = ""
 
@@ -39,7 +40,7 @@ class Panel(plugin.ViewerPlugin):
         control = self._control
         camera = control.take_camera()
         if camera is not None:
-            aim(viewed, camera, _DISTANCE)
+            aim(viewed, camera, self._distance)
         imgui.SetNextWindowPos(imgui.Vec2(10, 10), _ONCE)
         imgui.SetNextWindowSize(imgui.Vec2(330, 240), _ONCE)
         imgui.Begin("SLIDER")
@@ -84,7 +85,7 @@ def run(scene: Scene, control: Control, seconds: float | None, host: str, port: 
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)
     config = viewer_protocol.ViewerConfig(title=scene.title, gfx="web", http_port=port)
-    panel = Panel(control)
+    panel = Panel(control, _DISTANCE * leg_scale(scene.robot.geometry.leg_length))
     viewer_plugins, sim_plugins = plugin.split_plugins([panel])
 
     def serve(endpoint) -> None:

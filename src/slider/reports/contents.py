@@ -94,13 +94,14 @@ class Sources:
 
 def overview(sources: Sources) -> Blocks:
     """The robot walking, success and error over the speed, and one sentence."""
-    rows = table1_report.table_rows(sources.evaluations("table1"))
+    robot = sources.configuration["robot"]["name"]
+    rows = table1_report.table_rows(sources.evaluations("table1"), robot)
     films = [(about, film) for about, film in _films(sources) if about["fell_at"] is None]
     films.sort(key=lambda item: (item[0]["controller"] != rows[0]["controller"], -item[0]["speed"]))
     svg = sources.draw("overview", partial(walking.draw_overview, rows))
     caption = (
-        "Success rate, and velocity MSE after the warm-up of the robots that survive. Dotted: the "
-        "paper's numbers."
+        "Success rate, and velocity MSE after the warm-up of the robots that survive. Dotted, if "
+        "the paper has this robot: its numbers."
     )
     film = films[0][1] if films else None
     plot, sentence = Picture(svg, caption), finding(rows)
@@ -128,8 +129,7 @@ def finding(rows: Sequence[Row]) -> str:
 def table1(sources: Sources) -> Blocks:
     """Ours, the baselines' and the paper's side by side, and how it walks."""
     library = sources.inputs.get("table1.library", ())
-    protocol = sources.configuration["evaluation"]
-    return table1_report.blocks(sources.evaluations("table1"), library, protocol)
+    return table1_report.blocks(sources.evaluations("table1"), library, sources.configuration)
 
 
 def tracking(sources: Sources) -> Blocks:

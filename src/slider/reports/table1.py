@@ -28,7 +28,7 @@ METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "t
 The paper does not say whether its MSE has the start in it: it stands beside both of ours.
 """
 _COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
-_PAPER_TABLE = "paper_table1.csv"
+_PAPER_TABLE, _PAPER_ROBOT = "paper_table1.csv", "slider"
 _PROTOCOL = (
     "{trials} trials (seeds {seed} to {last}) × {robots} robots × {duration:g} s per command, from "
     "rest. "
@@ -40,7 +40,7 @@ _QUALITY = (
 _CAPTION = (
     "Best values are bold, errors among controllers whose success is within 1 % of the best; "
     "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
-    "rate. Errors are those of robots that survive. The paper "
+    "rate. Errors are those of robots that survive. The paper, if it has this robot, "
     "states one MSE and not whether the start counts: it stands beside both of ours."
 )
 
@@ -48,7 +48,7 @@ _CAPTION = (
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
-    rows = table_rows(evaluations)
+    rows = table_rows(evaluations, section["robot"])
     tables.write(rows, out / "table1.csv", COLUMNS)
     quality = _quality_rows(evaluations, inputs.get("library", ()))
     tables.write(quality, out / "gait_quality.csv")
@@ -67,20 +67,22 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def blocks(
-    evaluations: Sequence[Evaluation], library: Sequence[Path], protocol: Mapping[str, Any]
+    evaluations: Sequence[Evaluation], library: Sequence[Path], configuration: Mapping[str, Any]
 ) -> Iterator[Written]:
     """On the page: a table per metric, and one per controller about the quality of its gait."""
+    protocol = configuration["evaluation"]
     last = protocol["seed"] + protocol["trials"] - 1
     yield Text(_PROTOCOL.format(last=last, **protocol) + _CAPTION)
-    yield from comparisons(table_rows(evaluations))
+    yield from comparisons(table_rows(evaluations, configuration["robot"]["name"]))
     yield Heading("How it walks")
     yield Text(_QUALITY)
     yield from quality_tables(_quality_rows(evaluations, library))
 
 
-def table_rows(evaluations: Sequence[Evaluation]) -> list[Row]:
-    """Rows of ``table1.csv``: ours, then the paper's."""
-    return [tables.table_row(one) for one in evaluations] + paper_rows()
+def table_rows(evaluations: Sequence[Evaluation], robot: str) -> list[Row]:
+    """Rows of ``table1.csv``: ours, then the paper's where ``robot`` names the paper's robot."""
+    rows = [tables.table_row(one) for one in evaluations]
+    return rows + (paper_rows() if robot == _PAPER_ROBOT else [])
 
 
 def _quality_rows(evaluations: Sequence[Evaluation], library: Sequence[Path]) -> list[Row]:

@@ -17,7 +17,7 @@ from slider.config.model_tree import LINKS
 from slider.config.robot import RobotConfig, parameters
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.config.composed import CONF, composed, refusal
-from tests.robot.lopsided import kneed, lopsided
+from tests.robot.lopsided import kneed, lopsided, turned
 
 SLIDER = composed().robot
 ROLES = {"base": "base", "joints": {name: [f"left_{name}", f"right_{name}"] for name in LINKS}}
@@ -42,7 +42,9 @@ def flat(node: dict, place: str = "") -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    "robot", [SLIDER, lopsided(), kneed()], ids=["slider", "lopsided", "kneed"]
+    "robot",
+    [SLIDER, lopsided(), kneed(), turned(False), turned(True)],
+    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed"],
 )
 @pytest.mark.parametrize("side", [None, "right"])
 def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp_path):
@@ -64,6 +66,8 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
     for name, value in given.items():
         if value is None:
             assert expected[name] is None
+        elif name.endswith("order"):
+            assert tuple(value) == expected[name]
         elif "upper_foot" not in name or robot.geometry.knee is None:
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
 
@@ -110,7 +114,8 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
         joint(f"{name}_joint", kind, "base", name, base.com, [0, 1, 0])
         link(name, 0.25, [0, 0, 0], 1e-5 * np.eye(3))
     kinds = {"hip_yaw": "fixed", "slide": "prismatic"}  # the machine lacks the yaw
-    places = {**vars(robot.geometry.axes), "slide": [0, 0, 0]}
+    places = {name: place for name, place, _ in robot.geometry.axes.chain()}
+    places |= {"slide": np.zeros(3)}
     places["ankle"] = [0, 0, -robot.geometry.leg_length]
     for side, mirror in (("left", np.ones(3)), ("right", np.array([1.0, -1.0, 1.0]))):
         above = "base"
@@ -140,7 +145,7 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     both = robot.links.base.mass + 2 * robot.links.yaw.mass  # the yaw links are welded to it
     assert values["links"]["base"]["mass"] == pytest.approx(both)
     assert values["links"]["yaw"]["mass"] == 0.001
-    pitch = np.sum([values["geometry"]["axes"][name] for name in vars(geometry.axes)], axis=0)
+    pitch = np.sum([values["geometry"]["axes"][name] for name in geometry.axes.order], axis=0)
     np.testing.assert_allclose(pitch, geometry.hip, atol=1e-6)
     assert values["geometry"]["leg_length"] == pytest.approx(geometry.leg_length)
     slide = {"lower": -0.3, "upper": 0.4, "damping": 0.5, "armature": 0.0}

@@ -9,9 +9,8 @@ import pytest
 from slider.config.env import EstimatorConfig
 from slider.control.layout import describe, reference_table
 from slider.env.observations import TERMS
-from slider.robot.names import JOINTS, MOTORS
 from tests.control.policies import make_policy
-from tests.env.synthetic import gait_table, motor_angles
+from tests.env.synthetic import JOINTS, MOTORS, gait_table, motor_angles
 from tests.robot.lopsided import kneed
 
 

@@ -10,7 +10,6 @@ from tensordict import TensorDict
 
 from slider.control.policy import PolicyController, from_actor, load_policy, save_policy
 from slider.core.errors import UserError
-from slider.robot.names import JOINTS
 from slider.training.ppo import NORMALISER_EPSILON
 from tests.control.policies import make_policy
 from tests.env.synthetic import make_agent, make_state
@@ -56,7 +55,6 @@ def foreign(path, content) -> None:
         (torch.zeros(3), "{path}: expected format slider-policy, found Tensor"),
         ({"format": None}, "{path}: expected format slider-policy, found None"),
         ({"version": 99}, "{path}: expected version 9, found 99"),
-        ({"joints": ["left_knee"]}, "{path}: expected the joints " + ", ".join(JOINTS)),
     ],
 )
 def test_foreign_file_is_one_line(tmp_path, content, message):

@@ -30,10 +30,17 @@ from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.mjcf import Actuation, nominal_qpos
-from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, NUM_JOINTS
+from slider.robot.names import (
+    MIRROR_PERMUTATION,
+    NUM_JOINTS,
+    channels,
+    joint_names,
+    mirror_sign,
+    motor_names,
+)
 
 CONF = Path(__file__).parents[2] / "conf"
-PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
+PERMUTATION = np.array(MIRROR_PERMUTATION)
 SAMPLES = 42
 STEP_TIME = 0.4
 
@@ -50,6 +57,11 @@ def config(*overrides: str) -> Config:
 
 def robot_config() -> RobotConfig:
     return config("experiment=test").robot
+
+
+GEOMETRY = robot_config().geometry
+JOINTS, MOTORS, CHANNELS = joint_names(GEOMETRY), motor_names(GEOMETRY), channels(GEOMETRY)
+SIGN = np.array(mirror_sign(GEOMETRY))
 
 
 def of_the_motors(name: str) -> np.ndarray:

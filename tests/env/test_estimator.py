@@ -15,9 +15,9 @@ from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
-from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
+from slider.robot.names import GRAVITY, NUM_JOINTS
 from slider.robot.transmission import Transmission
-from tests.env.synthetic import config, disturbed_physics, make_view, robot_config, stand
+from tests.env.synthetic import JOINTS, config, disturbed_physics, make_view, robot_config, stand
 from tests.robot.lopsided import kneed
 
 ONBOARD = config("experiment=test").env.onboard

@@ -20,8 +20,8 @@ from slider.env.physics import BatchedPhysics
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
-from slider.robot.names import JOINTS, NUM_JOINTS
-from tests.env.synthetic import config, make_physics, random_pose, robot_config
+from slider.robot.names import NUM_JOINTS
+from tests.env.synthetic import JOINTS, config, make_physics, random_pose, robot_config
 
 COUNT = 5
 

@@ -5,9 +5,9 @@ import pytest
 
 from slider.core.errors import UserError
 from slider.env.interface import FLOAT64, AgentInterface
-from slider.env.starts import joint_range
-from slider.robot.names import ACTUATED, JOINTS, NUM_JOINTS
+from slider.robot.names import ACTUATED, NUM_JOINTS
 from tests.env.synthetic import (
+    JOINTS,
     PERMUTATION,
     SIGN,
     config,
@@ -59,7 +59,7 @@ def test_actions_and_targets_are_clipped():
     np.testing.assert_array_equal(
         targets[:, UPPER_FEET], np.tile(agent.nominal[UPPER_FEET], (3, 1))
     )
-    lower, upper = joint_range(robot_config())
+    lower, upper = robot_config().joint_ranges
     assert ((targets >= lower) & (targets <= upper)).all()
     assert (action == 1e6).all(), "the caller's action was changed"
 

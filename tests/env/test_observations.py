@@ -8,7 +8,7 @@ import torch
 
 from slider.config.env import HeightScan, ObservationConfig
 from slider.env.observations import TERMS, Observer
-from tests.env.synthetic import config, make_state, make_view, random_view
+from tests.env.synthetic import GEOMETRY, config, make_state, make_view, random_view
 
 COUNT = 5
 NOBODY = torch.zeros(COUNT, dtype=torch.bool)
@@ -29,12 +29,12 @@ PAPER = {
 
 def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
     return Observer(
-        ObservationConfig(dict.fromkeys(names, scale), clip, HeightScan(15, 12, 0.1), 0.3)
+        ObservationConfig(dict.fromkeys(names, scale), clip, HeightScan(15, 12, 0.1), 0.3), GEOMETRY
     )
 
 
 def test_the_papers_layout():
-    layout = Observer(config("experiment=paper").env.observation).layout
+    layout = Observer(config("experiment=paper").env.observation, GEOMETRY).layout
     assert layout == PAPER
     assert sum(layout.values()) == 235
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slider.env.physics import BatchedPhysics
-from slider.env.starts import at_rest, joint_range
+from slider.env.starts import at_rest
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import (
     SPEED_LIMITS,
@@ -22,7 +22,7 @@ from tests.env.synthetic import (
 
 
 def random_targets(rng: np.random.Generator, steps: int, count: int) -> np.ndarray:
-    lower, upper = joint_range(robot_config())
+    lower, upper = robot_config().joint_ranges
     return 0.1 * rng.uniform(lower, upper, (steps, count, NUM_JOINTS))
 
 

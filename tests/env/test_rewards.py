@@ -12,8 +12,11 @@ from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
-from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
+from slider.robot.names import NUM_CHANNELS
 from tests.env.synthetic import (
+    CHANNELS,
+    JOINTS,
+    MOTORS,
     config,
     gait_table,
     library,

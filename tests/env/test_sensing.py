@@ -9,11 +9,11 @@ from slider.config.env import SensingConfig
 from slider.env.disturbance import with_noise
 from slider.env.state import RobotState
 from slider.robot import names
-from tests.env.synthetic import disturbed_physics, make_arrays, stand
+from tests.env.synthetic import JOINTS, disturbed_physics, make_arrays, stand
 
 COUNT = 4000
 SILENT = {item.name: 0.0 for item in fields(SensingConfig)}
-SLIDES = np.array([name.endswith("slide") for name in names.JOINTS])
+SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 VALUES = {
     "joint_position": lambda s: s.joint_positions[:, ~SLIDES],
     "slide_position": lambda s: s.joint_positions[:, SLIDES],

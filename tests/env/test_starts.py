@@ -10,11 +10,10 @@ import pytest
 import torch
 
 from slider.config.env import StartNoise
-from slider.env.starts import about, at_rest, joint_range, multiply_quaternions, perturb
+from slider.env.starts import about, at_rest, multiply_quaternions, perturb
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import JOINTS
-from tests.env.synthetic import config, make_guide, make_physics, robot_config
+from tests.env.synthetic import JOINTS, config, make_guide, make_physics, robot_config
 
 PROTOCOL = StartNoise(0.02, 0.005, 0.03, 0.0, 0.0, 0.0)
 MOVING = StartNoise(0.02, 0.005, 0.03, 0.05, 0.1, 0.2)
@@ -85,7 +84,7 @@ def test_noise_has_the_asked_spread():
     np.testing.assert_allclose(np.linalg.norm(qpos[:, 3:7], axis=1), 1.0, atol=1e-12)
     assert not qpos[:, :2].any()
     joints = start(replace(PROTOCOL, joint_position=2.0, slide_position=1.0), 500)[0][:, 7:]
-    lower, upper = joint_range(robot_config())
+    lower, upper = robot_config().joint_ranges
     assert ((joints >= lower) & (joints <= upper)).all()
     assert (joints == upper).any()
 

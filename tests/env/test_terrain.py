@@ -20,6 +20,7 @@ from slider.env.state import RobotState
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import (
+    JOINTS,
     disturbed_physics,
     make_arrays,
     make_guide,
@@ -223,7 +224,7 @@ def test_the_guide_follows_the_ground_under_each_foot():
     feet = np.array([[[0.2, 0.1], [-0.2, -0.1]]] * 2)
     geometry, joints = robot_config().geometry, np.zeros((2, names.NUM_JOINTS))
     change = fitted(ramp(), feet, np.array([0.0, np.pi]), geometry, joints)
-    columns = [names.JOINTS.index(name) for name in ("left_slide", "right_slide", "left_ankle")]
+    columns = [JOINTS.index(name) for name in ("left_slide", "right_slide", "left_ankle")]
     turn = np.arctan(0.1)
     expected = [[-0.02, 0.02, -turn], [-0.02, 0.02, turn]]
     np.testing.assert_allclose(change[:, columns], expected, atol=1e-12)

@@ -180,10 +180,11 @@ def test_cold_starts_converge(velocity):
     assert solve.iterations < 60
 
 
-@pytest.mark.parametrize("has_knee", [True, False])
-def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(has_knee):
+@pytest.mark.parametrize("name", ["unitree_h1", "unitree_g1", "slider"])
+def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(name):
     """A knee's flexion counts from straight, within ``gait.posture``; a slide has its range."""
-    robot = kneed() if has_knee else replace(config().robot, virtual_knee=None)
+    has_knee = name != "slider"
+    robot = kneed(name) if has_knee else replace(config().robot, virtual_knee=None)
     posture = replace(config().gait.posture, foot_separation_max=1.0, swing_height=0.2)
     gait = build(Formulation(robot, replace(config().gait, posture=posture)))
     solve = GaitSolver(gait, config().gait.solver, config().gait.step_time).solve(0.4, 0.0)

@@ -3,14 +3,14 @@
 import casadi as ca
 import numpy as np
 
-from slider.gait.outputs import ANKLE, stance_first
+from slider.gait.outputs import ANKLE, driven_signs, stance_first
 from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
 from tests.gait.gaits import config
 from tests.hzd.sample import dynamics, library, loop
 
 MODEL = RootedModel(config().robot)
-DRIVEN = np.array(names.ACTUATED)
+DRIVEN, SIGNS = np.array(names.ACTUATED), driven_signs(MODEL.geometry)
 NUM = 11
 
 
@@ -38,7 +38,7 @@ def test_the_impact_is_that_of_the_gaits():
     for samples, roll in zip(library().samples, library().arrays["roll"], strict=True):
         right = np.arange(42) >= 21
         q, v = (
-            np.c_[roll[..., k].ravel(), stance_first(samples[:, 12 * k + DRIVEN], right)]
+            np.c_[roll[..., k].ravel(), stance_first(samples[:, 12 * k + DRIVEN], right, SIGNS)]
             for k in range(2)
         )
         landed = loop().model.impact_map(q[[20, 41]], v[[20, 41]])
@@ -51,7 +51,7 @@ def test_a_pitched_foot_is_laid_flat_by_its_ankle():
     q, v = state(3)
     landed = MODEL.impact_map(q[None], v[None])
     assert abs(landed.pitch[0]) > 0.01
-    expected = stance_first(q[None, 1:], np.array([True]))[0]
+    expected = stance_first(q[None, 1:], np.array([True]), SIGNS)[0]
     expected[4] += landed.pitch[0]
     np.testing.assert_allclose(landed.q[0, 1:], expected, atol=1e-12)
 

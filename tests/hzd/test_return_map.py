@@ -13,6 +13,7 @@ from slider.hzd.plans import motion, start
 from slider.hzd.return_map import invariance
 from slider.hzd.step import ClosedLoop, _Steps
 from slider.hzd.walk import chain, differences, multipliers
+from tests.env.synthetic import GEOMETRY
 from tests.hzd.sample import CLOCK, HIP, library, loop, one, points, settings, steps, walks, zero
 
 NUM = 11
@@ -67,7 +68,7 @@ def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
     if gait == HIP:
         turn = (float(slope[0] @ found + bend[0]) - hip_bend * speed**2) / hip_slope
     desired, first, second = (order[0] for order in motion(plan, phase, config))
-    rows = np.delete(output_matrix(config.outputs), YAW, axis=1)
+    rows = np.delete(output_matrix(config.outputs, GEOMETRY), YAW, axis=1)
     y, y_rate = rows @ (q[0] - desired), rows @ (v[0] - first * speed)
     missed = rows @ (found - second * speed**2 - first * turn) + config.kp * y + config.kd * y_rate
     mass, bias = model.symbols.dynamics(q[0], v[0])
@@ -161,7 +162,7 @@ def test_gains_over_the_phase_ask_for_the_same_step(gait):
     """A perturbed walk whose foot is displaced by b measures ξ(s) with b = −K(s) (ξ − ξ*)."""
     found, plan = walks()[gait], one(gait)[0]
     gains, size = found.regulator.phase_gains, 1e-4
-    rows = np.delete(output_matrix(settings().outputs), YAW, axis=1)
+    rows = np.delete(output_matrix(settings().outputs, GEOMETRY), YAW, axis=1)
     turn = np.linalg.svd(rows)[2][-1]
     x = found.points[0] + size * np.r_[turn, 3.0 * turn]
     b = found.displacement(0, x[None], 1.0)

@@ -8,7 +8,7 @@ import pytest
 
 from slider.library.export import write_csv, write_npz
 from slider.library.reader import ARRAYS, GaitLibrary
-from slider.robot.names import CHANNELS, JOINTS
+from tests.env.synthetic import CHANNELS, JOINTS
 from tests.library.gaits import library as make_library
 from tests.library.gaits import value
 

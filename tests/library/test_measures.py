@@ -9,7 +9,8 @@ from slider.config.convert import to_dict
 from slider.library import measures
 from slider.library.measures import neighbours, smoothness
 from slider.library.reader import GaitLibrary
-from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
+from slider.robot.names import NUM_JOINTS
+from tests.env.synthetic import JOINTS, MOTORS
 from tests.library.gaits import library as make_library
 
 GAIT = 1

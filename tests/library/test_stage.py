@@ -13,7 +13,7 @@ from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
 from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
-from slider.robot.names import CHANNELS
+from tests.env.synthetic import CHANNELS
 from tests.library.gaits import ROBOT, section, value, write_gait
 
 VELOCITIES = [(0.0, 0.0), (0.5, 0.1), (1.0, -0.1)]

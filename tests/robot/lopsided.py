@@ -1,4 +1,4 @@
-"""A robot whose legs are as general as the configuration allows, and one that has knees."""
+"""Robots whose legs are as general as the configuration allows, and one that has knees."""
 
 from dataclasses import replace
 from functools import cache
@@ -38,10 +38,27 @@ def lopsided() -> RobotConfig:
 
 
 @cache
-def kneed() -> RobotConfig:
-    """Unitree's H1."""
+def kneed(name: str = "unitree_h1") -> RobotConfig:
+    """A robot of the examples, by default Unitree's H1."""
     folder = Path(__file__).parents[2]
-    return compose([f"robot={folder}/docs/examples/robots/unitree_h1.yaml"], folder / "conf").robot
+    return compose([f"robot={folder}/docs/examples/robots/{name}.yaml"], folder / "conf").robot
+
+
+@cache
+def turned(knee: bool) -> RobotConfig:
+    """The hip pitches first, then rolls and yaws about tilted axes; H1's or sliding legs."""
+    robot = kneed() if knee else replace(lopsided(), virtual_knee=None)
+    yaw, roll = unit(0.3, -0.1, 0.9), unit(0.95, 0.2, -0.25)
+    order = ("hip_pitch", "hip_roll", "hip_yaw")
+    rng, axes = np.random.default_rng(8), {}
+    for name, y in zip(order, (0.1, 0.0, 0.0), strict=True):
+        axes[name] = tuple((0.5 * moved(rng) + [0.0, y, 0.0]).tolist())
+    hip = HipAxes(**axes, order=order, yaw_direction=yaw, roll_direction=roll)
+    return replace(robot, geometry=replace(robot.geometry, axes=hip))
+
+
+def unit(*vector: float) -> tuple[float, ...]:
+    return tuple((np.array(vector) / np.linalg.norm(vector)).tolist())
 
 
 def moved(rng: np.random.Generator) -> np.ndarray:

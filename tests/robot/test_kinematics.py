@@ -11,7 +11,6 @@ from slider.config.compose import compose
 from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
-    SAGITTAL,
     about_z,
     foot_ends,
     foot_motion,
@@ -25,11 +24,13 @@ from slider.robot.kinematics import (
     yaw_of,
 )
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
-from tests.robot.lopsided import kneed, lopsided
+from tests.robot.lopsided import kneed, lopsided, turned
 
 ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
 ROBOTS = pytest.mark.parametrize(
-    "robot", [ROBOT, lopsided(), kneed()], ids=["slider", "lopsided", "kneed"]
+    "robot",
+    [ROBOT, lopsided(), kneed(), turned(False), turned(True)],
+    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed"],
 )
 
 
@@ -84,7 +85,9 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
             expected = {tuple(np.round(low + s * axis, 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
             if geometry.knee is not None:
-                hip, knee, ankle = (data.joint(f"{side}_{n}").xanchor for n in SAGITTAL)
+                hip, knee, ankle = (
+                    data.joint(f"{side}_{n}").xanchor for n in ("hip_pitch", "slide", "ankle")
+                )
                 np.testing.assert_allclose(points[leg, :3], [hip, ankle, knee], atol=1e-12)
                 continue
             bodies = [data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot")]
@@ -109,14 +112,16 @@ def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
             np.testing.assert_allclose(motion.velocities[0, leg], expected, atol=1e-12)
             hip, ankle = (data.joint(f"{side}_{name}").xanchor for name in ("hip_pitch", "ankle"))
             axis = (hip - ankle) / np.linalg.norm(hip - ankle)
+            if robot.geometry.knee is None:
+                axis = data.body(f"{side}_slide").xmat[2::3]  # of the tube
             np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
 
 
 def leg_of(robot: RobotConfig, sagittal: np.ndarray) -> np.ndarray:
     """From hip to ankle (3,) [m] in MuJoCo, of hip pitch, slide or knee, and ankle."""
     model = build_model(robot, SimulationOptions())
-    data, start = mujoco.MjData(model), 7 + names.JOINTS.index("left_hip_pitch")
-    data.qpos[start : start + 3] = sagittal
+    data = mujoco.MjData(model)
+    data.qpos[7 + np.array(robot.geometry.sagittal)] = sagittal
     mujoco.mj_kinematics(model, data)
     return data.joint("left_ankle").xanchor - data.joint("left_hip_pitch").xanchor
 

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from slider.robot import knee_map
+from tests.env.synthetic import GEOMETRY
 from tests.gait.gaits import config
 
 L1 = L2 = 0.36
@@ -53,6 +54,8 @@ def test_both_legs_are_converted_each_by_itself_and_upper_feet_rest(variant):
 
 def test_the_mirror_swaps_the_legs_and_flips_yaw_and_roll():
     left, right = np.arange(1.0, 6.0), np.arange(11.0, 16.0)
-    found = knee_map.reflected(np.concatenate([left, right]))
+    found = knee_map.reflected(np.concatenate([left, right]), GEOMETRY)
     np.testing.assert_array_equal(found, [-11, -12, 13, 14, 15, -1, -2, 3, 4, 5])
-    np.testing.assert_array_equal(knee_map.reflected(found), np.concatenate([left, right]))
+    np.testing.assert_array_equal(
+        knee_map.reflected(found, GEOMETRY), np.concatenate([left, right])
+    )

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from slider.config.compose import compose
-from slider.env.starts import joint_range
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission
+from tests.env.synthetic import JOINTS, MOTORS
+from tests.robot.lopsided import kneed
 
 ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
 
@@ -21,12 +22,18 @@ def model():
 
 
 def test_joints_actuators_and_mass(model):
-    assert tuple(model.joint(i).name for i in range(1, model.njnt)) == names.JOINTS
-    assert tuple(model.actuator(i).name for i in range(model.nu)) == names.MOTORS
+    assert tuple(model.joint(i).name for i in range(1, model.njnt)) == JOINTS
+    assert tuple(model.actuator(i).name for i in range(model.nu)) == MOTORS
     assert not any("upper_foot" in model.actuator(i).name for i in range(model.nu))
     assert model.body_mass.sum() == pytest.approx(12.5248, abs=1e-9)
     assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
     assert model.na == 0
+
+
+def test_ranges_of_a_right_leg_are_reflected():
+    model = build_model(kneed("unitree_g1"), SimulationOptions())
+    ranges = [model.joint(f"{side}_hip_roll").range.tolist() for side in names.SIDES]
+    assert ranges == [[-0.26, 2.53], [-2.53, 0.26]]
 
 
 def test_stands_on_two_lines(model):
@@ -81,7 +88,7 @@ def posed(model, left: dict[str, float], right: dict[str, float]) -> mujoco.MjDa
     for side, sign, leg in (("left", 1.0, left), ("right", -1.0, right)):
         for joint, value in leg.items():
             turned = sign if joint in ("hip_yaw", "hip_roll") else 1.0
-            data.qpos[7 + names.JOINTS.index(f"{side}_{joint}")] = turned * value
+            data.qpos[7 + JOINTS.index(f"{side}_{joint}")] = turned * value
     data.ctrl[:] = Transmission.of(ROBOT).angles(data.qpos[7:])
     mujoco.mj_forward(model, data)
     return data
@@ -109,7 +116,7 @@ def test_legs_that_are_at_the_same_place_touch(model, parts):
     assert set(forces) == {pair}
     assert forces[pair] > 1.0
     np.testing.assert_allclose(data.qfrc_constraint[:6], 0.0, atol=1e-9)  # inside of the robot
-    lower, upper = joint_range(ROBOT)
+    lower, upper = ROBOT.joint_ranges
     assert ((data.qpos[7:] >= lower) & (data.qpos[7:] <= upper)).all()
     for side in names.SIDES:
         assert not data.sensor(f"{side}_foot_force").data.any(), "not a force of the ground"

@@ -13,7 +13,9 @@ from slider.config.compose import compose
 from slider.config.robot import Drive
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
+from slider.robot.names import NUM_MOTORS, motor_names
 from slider.robot.transmission import Transmission
+from tests.env.synthetic import JOINTS
 
 SLIDER = compose([], Path(__file__).parents[2] / "conf").robot
 CAPSTAN = Drive(torque=8.0, speed=120.0, stall_ratio=2.0, inertia=6.25e-4)  # for round numbers
@@ -21,8 +23,8 @@ ROBOT = replace(SLIDER, drives={**SLIDER.drives, "capstan": CAPSTAN})
 MOTORS = Transmission.of(ROBOT)
 RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors
-SLIDE, ANKLE = names.JOINTS.index("right_slide"), names.JOINTS.index("right_ankle")
-ONE, TWO = names.MOTORS.index("right_leg_1"), names.MOTORS.index("right_leg_2")
+SLIDE, ANKLE = JOINTS.index("right_slide"), JOINTS.index("right_ankle")
+ONE, TWO = (motor_names(ROBOT.geometry).index(f"right_leg_{k}") for k in (1, 2))
 PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.ACTUATED]
 
 
@@ -33,7 +35,7 @@ def joints(slide: float = 0.0, ankle: float = 0.0) -> np.ndarray:
 
 
 def motors(one: float = 0.0, two: float = 0.0) -> np.ndarray:
-    values = np.zeros(len(names.MOTORS))
+    values = np.zeros(NUM_MOTORS)
     values[ONE], values[TWO] = one, two
     return values
 

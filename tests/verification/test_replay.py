@@ -11,7 +11,7 @@ from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 from slider.verification.replay import Simulation, level_leg, regulated, tabulate
-from tests.robot.lopsided import lopsided
+from tests.robot.lopsided import lopsided, turned
 from tests.verification.sample import config, gaits, plant, turning_gaits
 
 
@@ -92,7 +92,7 @@ def test_drives_add_the_gains_times_the_error():
     np.testing.assert_allclose(added, expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("robot", [config().robot, lopsided()], ids=["slider", "lopsided"])
+@pytest.mark.parametrize("robot", [config().robot, lopsided(), turned(False), turned(True)])
 @pytest.mark.parametrize("side", names.SIDES)
 def test_the_sole_is_where_it_should_be_and_its_line_along_the_heading(side, robot):
     model = build_model(robot, SimulationOptions())
@@ -104,9 +104,10 @@ def test_the_sole_is_where_it_should_be_and_its_line_along_the_heading(side, rob
         position = np.array([0.0, 0.0, 0.7]) + rng.normal(size=3) * 0.03
         sole = np.array([0.0, sign * 0.1, 0.0]) + rng.normal(size=3) * 0.05
         heading = Rotation.from_euler("zy", rng.normal(size=2) * 0.1).as_matrix()[:, 0]
-        joints = level_leg(robot.geometry, side, (position, rotation.as_matrix()), sole, heading)
+        base = position, rotation.as_matrix()
+        joints = level_leg(robot.geometry, side, base, sole, heading, np.zeros(5))
         data.qpos[:7] = [*position, *rotation.as_quat(scalar_first=True)]
-        start = 7 + names.SIDES.index(side) * len(names.LEG_JOINTS)
+        start = 7 + names.SIDES.index(side) * names.LEG_SIZE
         data.qpos[start : start + 5] = joints
         mujoco.mj_kinematics(model, data)
         foot = data.site(names.sole(side))

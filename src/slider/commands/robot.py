@@ -20,7 +20,6 @@ from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 
 _SEEN, _LEVEL = 1e-3, 0.02  # [m], [rad]
-_MARKED = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -133,6 +132,7 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
     """The nominal pose from the right and from the front, with the axes of the left leg."""
     from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
 
+    marked = (*robot.geometry.axes.order, "ankle")
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
     foot = np.array([[-robot.geometry.heel, 0.0, sole], [robot.geometry.toe, 0.0, sole]])
     with style():
@@ -141,7 +141,7 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
         for across, (panel, title) in enumerate(zip(panels, ("right", "front"), strict=True)):
             for side, colour in (("right", LIGHT), ("left", DARK)):
                 axes = {name: data.joint(f"{side}_{name}").xanchor for name in robot.joints}
-                chain, top = [base, *(axes[name] for name in _MARKED)], [axes["hip_pitch"]]
+                chain, top = [base, *(axes[name] for name in marked)], [axes["hip_pitch"]]
                 if robot.geometry.knee is None:
                     top.append(axes["upper_foot"])
                 else:
@@ -151,7 +151,7 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                     panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
             panel.axhline(0.0, color=MIDDLE, linewidth=0.8)
-            for k, name in enumerate(_MARKED):
+            for k, name in enumerate(marked):
                 place = axes[name][[across, 2]]
                 panel.plot(*place, "o", color=MIDDLE, markersize=4)
                 arrow = {"arrowstyle": "-", "color": LIGHT}

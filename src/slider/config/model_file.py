@@ -4,7 +4,7 @@ Frames are those of ``conf/robot``: parallel to the base's where joints are at z
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.model_tree import (
+    AXES,
     LINKS,
     MAX_DIFFERENCE,
     MIRROR,
@@ -22,7 +23,7 @@ from slider.config.model_tree import (
     relative,
     rounded,
 )
-from slider.config.robot import LEAST_BEND
+from slider.config.robot import LEAST_BEND, TILTS
 from slider.core.errors import require
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
@@ -56,14 +57,16 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     """
     roles, model = from_dict(Roles, values, "robot.roles"), compiled(path)
     tree = ModelTree(model, roles)
-    left, right = (_Leg(*tree.leg(side), tree.has_knee) for side in range(2))
+    left, right = (_Leg(tree.order, *tree.leg(side), tree.has_knee) for side in range(2))
     right = right.mirrored()
     length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
     differences = {}
     for name, place in left.places.items():
         links = right.links[name], left.links[name]
         differences[f"{LINKS[name]} links"] = links[0].difference(links[1], length)
-        differences[f"{name} axes"] = relative(right.places[name] - place, length)
+        apart = relative(right.places[name] - place, length)
+        turned = relative(right.directions[name] - left.directions[name], 1.0)
+        differences[f"{name} axes"] = max(apart, turned)
         joints = [np.array(list(leg.joints[name].values())) for leg in (left, right)]
         size = np.maximum(*np.abs(joints)).clip(1e-9)
         what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
@@ -88,7 +91,9 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
 class _Leg:
     """A leg in the base's frame: places of its axes [m], links and joints by role."""
 
+    order: tuple[str, ...]
     places: dict[str, np.ndarray]
+    directions: dict[str, np.ndarray]
     links: dict[str, Link]
     joints: dict[str, dict[str, float]]
     has_knee: bool
@@ -97,14 +102,23 @@ class _Leg:
         """The right leg as a left one; its joints' ranges are those of ``ModelTree.leg``."""
         places = {name: place * MIRROR for name, place in self.places.items()}
         links = {name: link.mirrored() for name, link in self.links.items()}
-        return _Leg(places, links, self.joints, self.has_knee)
+        axes = self.directions.items()
+        directions = {name: axis * MIRROR if name in TILTS else axis for name, axis in axes}
+        return replace(self, places=places, directions=directions, links=links)
 
     def geometry(self) -> dict[str, Any]:
         """Axes of the hip in the frames above, leg length, height of an upper foot."""
         places, above = self.origins(), np.zeros(3)
-        axes: dict[str, Any] = {}
-        for name in ("hip_yaw", "hip_roll", "hip_pitch"):
+        order = list(self.order)
+        if "hip_yaw" not in order:
+            order.insert(order.index("hip_roll"), "hip_yaw")
+        axes: dict[str, Any] = {"order": order}
+        for name in order:
             axes[name], above = rounded(places[name] - above), places[name]
+        for name in TILTS:
+            direction = self.directions.get(name, AXES[name])
+            axes[name.removeprefix("hip_") + "_direction"] = rounded(direction)
+        above = places["hip_pitch"]
         reach = places["ankle"] - above
         along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
         expected = "an ankle below the pitch axis in the nominal pose"

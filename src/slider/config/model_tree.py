@@ -16,6 +16,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from slider.config import types as t
+from slider.config.robot import HIP_JOINTS, MAX_TURN, TILTS
 from slider.core.errors import UserError, require
 
 LINKS = {
@@ -30,7 +31,7 @@ LINKS = {
 _KNEE = "knee"
 ABSENT = ("hip_yaw", "upper_foot")
 """Joints that a machine may lack: a light link and a narrow range take their place."""
-_AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
+AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
     "hip_yaw": (0.0, 0.0, 1.0),
     "hip_roll": (1.0, 0.0, 0.0),
     "slide": (0.0, 0.0, -1.0),
@@ -104,8 +105,9 @@ class ModelTree:
         self._origin = self._data.xpos[self._base]
         self._turn = self._data.xmat[self._base].reshape(3, 3).T
         self._owners = self._find_owners()
-        for side in range(2):
-            self._check_order(side)
+        self.order, other = (self._hip_order(side) for side in range(2))
+        text = f"one order of both hips ({', '.join(self.order)})"
+        require(self.order == other, "robot.roles.joints", text, ", ".join(other))
 
     def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
         """Positions (njnt,) that count as zero."""
@@ -130,9 +132,9 @@ class ModelTree:
         start = self._model.body_jntadr[body]
         return range(start, start + self._model.body_jntnum[body])
 
-    def _check_order(self, side: int) -> None:
-        """Joints with a role follow one another from the base to the ankle."""
-        model = self._model
+    def _hip_order(self, side: int) -> tuple[str, ...]:
+        """Joints of a hip from the base down; those with a role follow one another to the ankle."""
+        model, hip = self._model, ()
         for name in ("ankle", "upper_foot"):
             if name not in self._joints:
                 continue
@@ -144,8 +146,8 @@ class ModelTree:
             require(body == self._base, key, "a joint below the base", model.joint(chain[0]).name)
             named = {pair[side]: role for role, pair in self._joints.items()}
             order = [named[index] for index in reversed(chain) if index in named]
-            expected = [role for role in LINKS if role in self._joints]
-            expected = [r for r in expected if r == name or r not in ("ankle", "upper_foot")]
+            hip = tuple(role for role in order if role in HIP_JOINTS)
+            expected = [*hip, "slide", name]
             if self.has_knee:
                 order, expected = (
                     [_KNEE if role == "slide" else role for role in roles]
@@ -154,6 +156,7 @@ class ModelTree:
             end = model.joint(self._joints[name][side]).name
             text = f"{', '.join(expected)} from the base to {end}"
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
+        return hip
 
     def names(self, role: str) -> list[str]:
         """Left and right joint of a role."""
@@ -161,16 +164,19 @@ class ModelTree:
 
     def leg(
         self, side: int
-    ) -> tuple[dict[str, np.ndarray], dict[str, Link], dict[str, dict[str, float]]]:
-        """By role, of the left or the right leg: places of axes [m], links, ranges of joints."""
-        places, links, joints = {}, {}, {}
+    ) -> tuple[
+        dict[str, np.ndarray], dict[str, np.ndarray], dict[str, Link], dict[str, dict[str, float]]
+    ]:
+        """By role, of a side's leg: places [m] and directions of axes, links, ranges of joints."""
+        places, directions, links, joints = {}, {}, {}, {}
         for name, pair in self._joints.items():
             places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
+            directions[name] = self._direction(name, side)[0]
             links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
             joints[name] = self._joint(name, side)
         absent = [name for name in ABSENT if name not in joints]
         joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
-        return places, links, joints
+        return places, directions, links, joints
 
     def base(self) -> tuple[Link, float]:
         """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
@@ -217,15 +223,10 @@ class ModelTree:
         possible = model.jnt_type[index] == _MOVES[slides]
         expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
         require(possible, key, expected, text)
-        axis = self._turn @ self._data.xaxis[index]
-        along = _AXES["ankle" if name == "slide" and self.has_knee else name]
-        sign = float(np.sign(axis @ along))
-        possible = np.abs(sign * axis - along).max() <= _MAX_TILT
-        expected = f"an axis along {'xyz'[int(np.abs(along).argmax())]}"
-        require(possible, key, expected, f"{text} along {np.round(axis, 3).tolist()}")
+        _, sign = self._direction(name, side)
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
-        if side == 1 and name in ("hip_yaw", "hip_roll"):
-            sign = -sign  # the reflection turns these
+        if side == 1 and name in TILTS:
+            sign = -sign
         ends = sign * (model.jnt_range[index] - self._zero[index])
         most = np.inf if slides else 2 * np.pi
         expected = "a range that holds roles.pose" + ("" if slides else ", in rad")
@@ -237,6 +238,21 @@ class ModelTree:
         values = {"lower": ends.min(), "upper": ends.max(), "damping": model.dof_damping[dof]}
         values["armature"] = model.dof_armature[dof]
         return {name: rounded(value) for name, value in values.items()}
+
+    def _direction(self, name: str, side: int) -> tuple[np.ndarray, float]:
+        """Unit vector (3,) of an axis as its role has it; −1 where the file's is against it."""
+        index, key = self._joints[name][side], f"robot.roles.joints.{name}"
+        axis = self._turn @ self._data.xaxis[index]
+        along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
+        sign = float(np.sign(axis @ along))
+        tilts = name in TILTS
+        turn = np.arccos(np.clip(sign * axis @ along, -1.0, 1.0))
+        most = np.deg2rad(MAX_TURN) if tilts else _MAX_TILT
+        letter = "xyz"[int(np.abs(along).argmax())]
+        expected = f"an axis {f'within {MAX_TURN}° of' if tilts else 'along'} {letter}"
+        found = f"{self._model.joint(index).name} along {np.round(axis, 3).tolist()}"
+        require(bool(turn <= most), key, expected, found)
+        return (along if turn <= _MAX_TILT else sign * axis), sign
 
     def _joined(self, bodies: np.ndarray) -> Link:
         """Bodies as one, in the base's frame."""

@@ -17,8 +17,10 @@ from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
-LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
-HIP_JOINTS = LEG_JOINTS[:3]
+HIP_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch")
+BELOW_HIP = ("slide", "ankle", "upper_foot")
+TILTS = ("hip_yaw", "hip_roll")
+"""Joints whose axes may be tilted, and which the reflection at the sagittal plane turns back."""
 LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
 
 
@@ -77,16 +79,55 @@ class Links:
     upper_foot: _Body
 
 
+_Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)
+MAX_TURN = 60  # of a yaw or roll axis against z or x [°]
+_Yaw = t.Rule(f"within {MAX_TURN}° of z", lambda vector: vector[2] >= np.cos(np.deg2rad(MAX_TURN)))
+_Roll = t.Rule(f"within {MAX_TURN}° of x", lambda vector: vector[0] >= np.cos(np.deg2rad(MAX_TURN)))
+
+
 @dataclass(frozen=True, config=t.STRICT)
 class HipAxes:
-    """Places of a left hip's axes in the frame of the link above; y is reflected on the right."""
+    """Places of a left hip's axes in the frame of the link above; y is reflected on the right.
+
+    Frames are parallel to the base's where all joints are at zero.
+    """
 
     hip_yaw: t.Vector3[t.Metres]
-    """in the base"""
     hip_roll: t.Vector3[t.Metres]
-    """in the yaw link"""
     hip_pitch: t.Vector3[t.Metres]
-    """in the roll link; the slide goes through it"""
+    """a slide goes through it"""
+    order: Annotated[
+        tuple[t.Name, t.Name, t.Name],
+        t.Rule(
+            f"{', '.join(HIP_JOINTS)} in their order from the base down",
+            lambda order: sorted(order) == sorted(HIP_JOINTS),
+        ),
+    ] = HIP_JOINTS
+    """from the base down"""
+    yaw_direction: Annotated[t.Vector3[t.Number], _Unit, _Yaw] = (0.0, 0.0, 1.0)
+    """unit vector along the left yaw axis; a right axis has the other sign of y"""
+    roll_direction: Annotated[t.Vector3[t.Number], _Unit, _Roll] = (1.0, 0.0, 0.0)
+    """likewise; the pitch axis is along y"""
+
+    def chain(self, lateral: float = 1.0) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        """Joint, place (3,) [m] and unit vector (3,) of each axis from the base down.
+
+        ``lateral`` is 1 for the left leg, −1 for the right one.
+        """
+        reflection = np.array([1.0, lateral, 1.0])
+        tilted = np.array([self.yaw_direction, self.roll_direction]) * reflection + 0.0
+        directions = {"hip_pitch": np.array([0.0, 1.0, 0.0])} | dict(
+            zip(TILTS, tilted, strict=True)
+        )
+        return [
+            (name, getattr(self, name) * reflection + 0.0, directions[name]) for name in self.order
+        ]
+
+    @property
+    def below_pitch(self) -> np.ndarray:
+        """Origin of the last link of the hip from the pitch axis (3,) [m], left, joints at zero."""
+        below = self.order[self.order.index("hip_pitch") + 1 :]
+        return sum((np.array(getattr(self, name)) for name in below), np.zeros(3))
 
 
 @dataclass(frozen=True, config=t.STRICT)
@@ -113,12 +154,24 @@ class Geometry:
     base_half_size: t.Vector3[t.Positive[t.Metres]]
     """box between the hips"""
     knee: t.Vector3[t.Metres] | None = None
-    """axis of a knee in the pitch link, bent with all joints at zero; null: the leg slides"""
+    """place of a knee from the pitch axis, bent with all joints at zero; null: the leg slides"""
+
+    @property
+    def leg_joints(self) -> tuple[str, ...]:
+        """Joints of a leg from the hip down; a knee has the place of the slide."""
+        return self.axes.order + BELOW_HIP
+
+    @property
+    def sagittal(self) -> tuple[int, int, int]:
+        """Places of hip pitch, slide or knee, and ankle among the joints of a leg."""
+        pitch, slide, ankle = map(self.leg_joints.index, ("hip_pitch", "slide", "ankle"))
+        return pitch, slide, ankle
 
     @property
     def hip(self) -> tuple[float, float, float]:
         """Left pitch axis in the base's frame, all joints at zero [m]."""
-        places = self.axes.hip_yaw, self.axes.hip_roll, self.axes.hip_pitch
+        above = self.axes.order[: self.axes.order.index("hip_pitch") + 1]
+        places = (getattr(self.axes, name) for name in above)
         x, y, z = (sum(values) for values in zip(*places, strict=True))
         return x, y, z
 
@@ -155,7 +208,7 @@ class VirtualKnee:
 
 @dataclass(frozen=True, config=t.STRICT)
 class Joint:
-    """Range and passive properties of a joint."""
+    """Range, that of a left leg, and passive properties of a joint."""
 
     lower: t.JointPosition
     upper: t.JointPosition
@@ -232,7 +285,16 @@ class Mechanism:
     @property
     def leg_motors(self) -> tuple[str, ...]:
         """Names in ``drives`` of the five motors of a leg, from the hip down."""
-        return HIP_JOINTS + (("slide", "ankle") if self.capstan is None else ("capstan",) * 2)
+        below = ("slide", "ankle") if self.capstan is None else ("capstan",) * 2
+        return self.geometry.axes.order + below
+
+    @property
+    def joint_ranges(self) -> np.ndarray:
+        """Lower and upper ends (2, 12) of all joints [rad, m], the left leg first."""
+        names = self.geometry.leg_joints
+        left = np.array([[self.joints[n].lower, self.joints[n].upper] for n in names]).T
+        right = np.where([name in TILTS for name in names], -left[::-1], left)
+        return np.concatenate([left, right], axis=1)
 
 
 @dataclass(frozen=True, config=t.STRICT)
@@ -264,6 +326,8 @@ def parameters(robot: RobotConfig) -> list[Parameter]:
     """All numbers and vectors of a robot, in the order of its configuration."""
     values = to_dict(robot)
     tags = values.pop("provenance")
+    for name in ("order", "yaw_direction", "roll_direction"):  # no sizes
+        del values["geometry"]["axes"][name]
     numbers = ((k, v) for k, v in flatten(values).items() if isinstance(v, float | tuple))
     return [
         Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))

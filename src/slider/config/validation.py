@@ -13,7 +13,7 @@ from slider.config.convert import from_dict, setting, to_dict, with_settings
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock
 from slider.config.gait import axis_size
-from slider.config.robot import LEAST_BEND, LEG_JOINTS, RobotConfig, parameters
+from slider.config.robot import BELOW_HIP, HIP_JOINTS, LEAST_BEND, RobotConfig, parameters
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import one_of, require
@@ -101,7 +101,7 @@ def _robot(robot: RobotConfig) -> None:
     possible = robot.capstan is None or robot.geometry.knee is None
     require(possible, "robot.capstan", "null where the leg has a knee", "one")
     motors = dict.fromkeys(robot.leg_motors)
-    _complete("robot.joints", robot.joints, LEG_JOINTS)
+    _complete("robot.joints", robot.joints, robot.geometry.leg_joints)
     _complete("robot.drives", robot.drives, motors)
     _complete("robot.gains", robot.gains, motors)
     lateral = robot.geometry.hip[1]
@@ -111,6 +111,8 @@ def _robot(robot: RobotConfig) -> None:
     possible = geometry.knee is None or virtual is None
     require(possible, "robot.virtual_knee", "null where the leg has a knee", "one")
     if virtual is not None:
+        expected = "null where hip_pitch is not the last of geometry.axes.order"
+        require(geometry.axes.order[-1] == "hip_pitch", "robot.virtual_knee", expected, "one")
         reach = virtual.thigh_length + virtual.shank_length
         expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
         require(reach > geometry.leg_length, "robot.virtual_knee", expected, reach)
@@ -119,7 +121,8 @@ def _robot(robot: RobotConfig) -> None:
         bent = abs(x) >= LEAST_BEND * length and -length < z < 0.0
         expected = f"z between hip and ankle, x of {LEAST_BEND:.0%} of leg_length or more: bent"
         require(bent, "robot.geometry.knee", expected, list(geometry.knee))
-    paths = [f"{item.path}." for item in parameters(robot)]
+    axes = [f"geometry.axes.{name}" for name in vars(geometry.axes)]
+    paths = [f"{path}." for path in [item.path for item in parameters(robot)] + axes]
     for group in robot.provenance:
         tags_numbers = any(path.startswith(f"{group}.") for path in paths)
         require(tags_numbers, "robot.provenance", "keys below robot that hold numbers", group)
@@ -131,7 +134,7 @@ def _env(env: EnvConfig) -> None:
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
     require(env.onboard is not None, "env.onboard", "sensors and estimator", "none")
-    _complete("env.action.scale", env.action.scale, LEG_JOINTS)
+    _complete("env.action.scale", env.action.scale, HIP_JOINTS + BELOW_HIP)
     offset, phase = env.action.offset, env.phase
     possible = phase.enabled or offset == "nominal"
     require(possible, "env.action.offset", "nominal where there is no phase", offset)

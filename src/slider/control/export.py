@@ -23,6 +23,7 @@ from torch import nn
 
 from slider.config.convert import from_dict
 from slider.config.env import EstimatorConfig
+from slider.config.robot import RobotConfig
 from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE, REFERENCE
 from slider.control.exported import OnnxNetwork
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
@@ -35,7 +36,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
 from slider.robot.mjcf import SimulationOptions, build_spec
-from slider.robot.names import JOINTS, MOTORS
+from slider.robot.names import joint_names, motor_names
 from slider.robot.transmission import Transmission
 
 LAYOUT_KEY = "slider_policy_layout"  # in the metadata of the ONNX file
@@ -106,9 +107,7 @@ def write_files(
         physics.timestep, physics.solver_iterations, physics.line_search_iterations
     )
     spec = build_spec(policy.robot, options)
-    (out / MODEL).write_text(
-        _with_all_digits(spec, Transmission.of(policy.robot)), encoding="utf-8"
-    )
+    (out / MODEL).write_text(_with_all_digits(spec, policy.robot), encoding="utf-8")
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy
@@ -182,14 +181,15 @@ def save_onnx(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> 
     path.write_bytes(model.SerializeToString(deterministic=True))
 
 
-def _with_all_digits(spec: mujoco.MjSpec, motors: Transmission) -> str:
+def _with_all_digits(spec: mujoco.MjSpec, robot: RobotConfig) -> str:
     """MJCF with all digits of the tendons' coefficients and motors' parameters: MuJoCo has six."""
-    model = spec.compile()
+    model, motors = spec.compile(), Transmission.of(robot)
+    names, joints = motor_names(robot.geometry), joint_names(robot.geometry)
     root = ElementTree.fromstring(spec.to_xml())
     for tendon in root.iter("fixed"):
-        row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
+        row = motors.matrix[names.index(tendon.attrib["name"])]
         for joint in tendon.iter("joint"):
-            joint.set("coef", repr(float(row[JOINTS.index(joint.attrib["joint"])])))
+            joint.set("coef", repr(float(row[joints.index(joint.attrib["joint"])])))
     for motor in root.iter("general"):
         count = len(motor.attrib["gainprm"].split())
         values = model.actuator(motor.attrib["name"]).gainprm[:count]

@@ -23,7 +23,7 @@ from slider.core.files import digest_file, flatten
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.observations import Observer
 from slider.library.lookup import JointTable, StepTimes
-from slider.robot.names import JOINTS, NUM_JOINTS, VELOCITY
+from slider.robot.names import NUM_JOINTS, VELOCITY
 
 _COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
 
@@ -96,8 +96,8 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
         shape = reference["shape"]
         positions = np.load(folder / REFERENCE, allow_pickle=False).reshape(shape)
         table = JointTable(_times(reference, np.ones(shape[:3])), positions)
-        sizes = Observer(env.observation).layout
-        network = PolicyNetwork(sum(sizes.values()), len(JOINTS), (), "elu")
+        sizes = Observer(env.observation, robot.geometry).layout
+        network = PolicyNetwork(sum(sizes.values()), NUM_JOINTS, (), "elu")
         policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, table)
         wanted, own = (_leaves(node) for node in (describe(policy, {}), layout))
         for key in dict.fromkeys([*wanted, *own]):

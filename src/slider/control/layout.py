@@ -18,14 +18,13 @@ from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
-    JOINTS,
     MIRROR_PERMUTATION,
-    MIRROR_SIGN,
-    MOTORS,
+    NUM_JOINTS,
     SIDES,
     VELOCITY,
     channel_units,
-    leg_joint,
+    joint_names,
+    motor_names,
 )
 from slider.robot.transmission import Transmission, by_motor
 
@@ -101,12 +100,15 @@ def describe(
             "height_scan": to_dict(env.observation.height_scan),
         },
         "action": {
-            "size": len(JOINTS),
+            "size": NUM_JOINTS,
             "offset": env.action.offset,
             "clip": env.action.clip,
             "joints": _joints(policy, agent),
             "motors": _motors(policy),
-            "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
+            "mirror": {
+                "permutation": list(MIRROR_PERMUTATION),
+                "sign": agent.mirror_sign.tolist(),
+            },
         },
         "clock": _clock(policy),
         "reference": _reference(policy),
@@ -126,10 +128,7 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
     for name, width in agent.observer.layout.items():
         scale = policy.env.observation.terms[name]
         place = {"name": name, "start": start, "width": width, "scale": scale}
-        rows.append(place | TERMS[name].describe(width))
-        if policy.robot.geometry.knee is not None and rows[-1]["components"] == list(JOINTS):
-            turning = {"m": "rad", "m/s": "rad/s"}
-            rows[-1]["units"] = [turning.get(unit, unit) for unit in rows[-1]["units"]]
+        rows.append(place | TERMS[name].describe(width, policy.robot.geometry))
         start += width
     return rows
 
@@ -169,8 +168,9 @@ def _axes(times: StepTimes) -> dict[str, list[float]]:
 
 
 def _joints(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
-    kinds = [leg_joint(name) for name in JOINTS]
-    units = channel_units(policy.robot.geometry.knee is not None)
+    geometry = policy.robot.geometry
+    names, kinds = joint_names(geometry), geometry.leg_joints * len(SIDES)
+    units, (lower, upper) = channel_units(geometry), policy.robot.joint_ranges
     return [
         {
             "name": name,
@@ -178,21 +178,22 @@ def _joints(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
             "actuated": index in ACTUATED,
             "nominal": float(agent.nominal[index]),
             "scale": policy.env.action.scale[kind],
-            "lower": policy.robot.joints[kind].lower,
-            "upper": policy.robot.joints[kind].upper,
+            "lower": float(lower[index]),
+            "upper": float(upper[index]),
         }
-        for index, (name, kind) in enumerate(zip(JOINTS, kinds, strict=True))
+        for index, (name, kind) in enumerate(zip(names, kinds, strict=True))
     ]
 
 
 def _motors(policy: Policy) -> list[dict[str, Any]]:
     """Motors; the greatest torque falls linearly with speed from the stall torque to 0."""
-    motors = Transmission.of(policy.robot)
+    motors, geometry = Transmission.of(policy.robot), policy.robot.geometry
+    joints, names = joint_names(geometry), motor_names(geometry)
     gains = by_motor(policy.robot, policy.robot.gains) * len(SIDES)
     return [
         {
             "name": name,
-            "joints": {JOINTS[j]: float(row[j]) for j in np.flatnonzero(row)},
+            "joints": {joints[j]: float(row[j]) for j in np.flatnonzero(row)},
             "kp": gains[index].kp,
             "kd": gains[index].kd,
             "torque_limit": float(motors.torque[index]),
@@ -200,7 +201,7 @@ def _motors(policy: Policy) -> list[dict[str, Any]]:
             "no_load_speed": float(motors.speed[index]),
             "rotor_inertia": float(motors.inertia[index]),
         }
-        for index, (name, row) in enumerate(zip(MOTORS, motors.matrix, strict=True))
+        for index, (name, row) in enumerate(zip(names, motors.matrix, strict=True))
     ]
 
 

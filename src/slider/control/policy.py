@@ -19,7 +19,7 @@ from slider.core.files import flatten
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.state import RobotState
 from slider.library.lookup import JointTable, StepTimes
-from slider.robot.names import JOINTS
+from slider.robot.names import NUM_JOINTS, joint_names
 
 FORMAT = "slider-policy"
 VERSION = 9
@@ -111,7 +111,7 @@ def save_policy(policy: Policy, path: Path) -> None:
     content = {
         "format": FORMAT,
         "version": VERSION,
-        "joints": list(JOINTS),
+        "joints": list(joint_names(policy.robot.geometry)),
         "hidden": list(policy.hidden),
         "activation": policy.activation,
         "observations": policy.observations,
@@ -146,11 +146,9 @@ def load_policy(path: Path) -> Policy:
     format_name = content.get("format") if isinstance(content, dict) else type(content).__name__
     require(format_name == FORMAT, str(path), f"format {FORMAT}", format_name)
     require(content["version"] == VERSION, str(path), f"version {VERSION}", content["version"])
-    if tuple(content["joints"]) != JOINTS:
-        raise UserError(f"{path}: expected the joints {', '.join(JOINTS)}")
     hidden, reference = tuple(content["hidden"]), content["reference"]
     sizes = content["observations"]
-    network = PolicyNetwork(sum(sizes.values()), len(JOINTS), hidden, content["activation"])
+    network = PolicyNetwork(sum(sizes.values()), NUM_JOINTS, hidden, content["activation"])
     network.load_state_dict(content["state"])
     if reference is not None:
         positions = reference.pop("positions").numpy()

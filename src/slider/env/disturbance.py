@@ -91,7 +91,7 @@ def build_plant(
     spec = build_spec(robot, options)
     if disturbance is not None and uneven(disturbance.config):
         terrain.lay(spec)
-    return compile_spec(spec)
+    return compile_spec(spec, robot)
 
 
 def uneven(config: DisturbanceConfig) -> bool:

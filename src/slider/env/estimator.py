@@ -19,11 +19,10 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import SLIDES
 from slider.robot.bodies import own_bodies, total_mass
-from slider.robot.kinematics import SAGITTAL, FootMotion, foot_motion, stretching
-from slider.robot.names import GRAVITY, JOINTS, SIDES
+from slider.robot.kinematics import FootMotion, foot_motion, stretching
+from slider.robot.names import GRAVITY, LEG_SIZE, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
-_SAGITTAL = [JOINTS.index(f"{side}_hip_pitch") for side in SIDES]
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
 
 
@@ -88,12 +87,14 @@ class Leg(NamedTuple):
         tube, foot = bodies["tube"], bodies["foot"]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
         stretch = stretching(geometry, np.zeros(()))
-        damping = [robot.joints[name].damping for name in SAGITTAL]
+        sagittal = list(geometry.sagittal)
+        damping = [robot.joints[geometry.leg_joints[k]].damping for k in sagittal]
+        inertia = leg_inertia(robot)[np.ix_(sagittal, sagittal)]
         return cls(
             weight=total_mass(bodies) * GRAVITY,
             mass=tube.mass + foot.mass,
             moment=tube.mass * depth + foot.mass * (geometry.leg_length - foot.com[2]),
-            reflected_mass=float(stretch @ leg_inertia(robot)[2:, 2:] @ stretch),
+            reflected_mass=float(stretch @ inertia @ stretch),
             damping=float(stretch**2 @ damping),
         )
 
@@ -114,7 +115,8 @@ class StateEstimator:
         self._config, self._geometry = config, robot.geometry
         motors = Transmission.of(robot).matrix
         self._slide_efforts = asarray(motors[:, SLIDES], like)
-        self._sagittal = [asarray(motors[:, leg : leg + 3], like) for leg in _SAGITTAL]
+        legs = (leg * LEG_SIZE + np.array(robot.geometry.sagittal) for leg in range(len(SIDES)))
+        self._sagittal = [asarray(motors[:, leg], like) for leg in legs]
         self._leg = Leg.of(robot)
         self._velocity, self._position = zeros((2, count, 3), like)
         self._variance = zeros((count, 2), like)  # of a velocity component, of the height

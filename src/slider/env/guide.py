@@ -10,12 +10,11 @@ from slider.env.interface import FLOAT64
 from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
-from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES, leg_joint
+from slider.robot.names import LEG_SIZE, NUM_CHANNELS, NUM_JOINTS, PASSIVE, SIDES
 
 _WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
 _KNEE_WEIGHT = 1.0
-_PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
-_HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
+_ACTIVE = np.setdiff1d(np.arange(NUM_CHANNELS), [*PASSIVE, *np.add(PASSIVE, NUM_JOINTS)])
 
 
 def joint_weights(geometry: Geometry) -> np.ndarray:
@@ -24,7 +23,8 @@ def joint_weights(geometry: Geometry) -> np.ndarray:
     A slide's metre counts like several radians. Passive joints have none.
     """
     knee = {} if geometry.knee is None else {"slide": _KNEE_WEIGHT}
-    return np.array([(_WEIGHTS | knee).get(leg_joint(name), 0.0) for name in JOINTS])
+    weights = [(_WEIGHTS | knee).get(name, 0.0) for name in geometry.leg_joints]
+    return np.array(weights * len(SIDES))
 
 
 def observed_channels(view: View) -> Array:
@@ -54,7 +54,7 @@ class Guide:
         self.weights = like.new_tensor(joint_weights(geometry))
         self._table = tensors(table, like)
         self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
-        self._active = torch.asarray(np.flatnonzero(~_PASSIVE), device=like.device)
+        self._active = torch.asarray(_ACTIVE, device=like.device)
         self._velocities = torch.asarray(library.velocities, dtype=like.dtype, device=like.device)
         self._norms = {
             False: (self._samples**2).sum(dim=2),
@@ -100,10 +100,12 @@ class Guide:
         command, times = view.gait_velocity, self._table.times
         progress = (2.0 * view.phase) % 1.0
         missing = command[:, 2] - times.inside(command)[:, 2]
-        stance = missing * times.at(command) * (0.5 - progress)
+        share = (0.5 - progress) / self._geometry.axes.yaw_direction[2]
+        stance = missing * times.at(command) * share
         left = stance.where(view.phase < 0.5, -stance)
         result = left.new_zeros(len(left), NUM_JOINTS)
-        result[:, _HIP_YAWS[0]], result[:, _HIP_YAWS[1]] = left, -left
+        yaw = self._geometry.leg_joints.index("hip_yaw")
+        result[:, yaw], result[:, LEG_SIZE + yaw] = left, -left
         return result
 
     def states(self, command: Array, phase: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot import names
-from slider.robot.kinematics import SAGITTAL, stretched, turn_to_heading
+from slider.robot.kinematics import stretched, turn_to_heading
 
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
@@ -183,10 +183,11 @@ def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: 
     """
     heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)
     mean, gradient = heights.mean(-1), ground.gradient(feet)
-    for leg, side in enumerate(names.SIDES):
+    for leg in range(len(names.SIDES)):
         steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
-        pitch, slide, ankle = (names.JOINTS.index(f"{side}_{name}") for name in SAGITTAL)
+        sagittal = [leg * names.LEG_SIZE + place for place in geometry.sagittal]
+        _, slide, ankle = sagittal
         longer = mean - heights[:, leg]
-        result[:, pitch : ankle + 1] = stretched(geometry, joints[:, slide], longer)
+        result[:, sagittal] = stretched(geometry, joints[:, slide], longer)
         result[:, ankle] -= namespace(yaw).arctan(steep)
     return result

@@ -14,16 +14,14 @@ from slider.core.arrays import tensors
 from slider.core.errors import UserError
 from slider.env.observations import Observer, reflect
 from slider.env.phase import Clock, gait_velocity_of
-from slider.env.starts import joint_range
 from slider.env.state import RobotState, View
 from slider.library.lookup import JointTable, StepTimes
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS, leg_joint
+from slider.robot.names import MIRROR_PERMUTATION, NUM_JOINTS, SIDES, mirror_sign
 from slider.robot.transmission import Transmission
 
 FLOAT64 = torch.zeros(0, dtype=torch.float64)  # the processor's precision
 _PERMUTATION = np.array(MIRROR_PERMUTATION)
-_SIGN = np.array(MIRROR_SIGN)
 
 
 class AgentInterface:
@@ -55,13 +53,15 @@ class AgentInterface:
         if about_gait and reference is None:
             raise UserError("env.action.offset=gait: expected the gaits of a library, found none")
         self._reference = tensors(reference, like) if about_gait and reference else None
-        self.observer = Observer(config.observation)
+        self.observer = Observer(config.observation, robot.geometry)
+        self.mirror_sign = np.array(mirror_sign(robot.geometry))
         self.num_robots = num_robots
         self._config = config
         nominal = nominal_qpos(robot)
         self.nominal, self.nominal_height = like.new_tensor(nominal[7:]), float(nominal[2])
-        self._scale = like.new_tensor([config.action.scale[leg_joint(name)] for name in JOINTS])
-        self._lower, self._upper = (like.new_tensor(limit) for limit in joint_range(robot))
+        scale = [config.action.scale[name] for name in robot.geometry.leg_joints]
+        self._scale = like.new_tensor(scale * len(SIDES))
+        self._lower, self._upper = (like.new_tensor(limit) for limit in robot.joint_ranges)
         self._torque_limits = like.new_tensor(Transmission.of(robot).torque)
         self.clock: Clock | None = None
         if config.phase.enabled and times is not None:
@@ -113,7 +113,7 @@ class AgentInterface:
     def act(self, action: torch.Tensor) -> torch.Tensor:
         """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12)."""
         action = action.to(self._scale).clip(-self._config.action.clip, self._config.action.clip)
-        action = reflect(action, self._mirrored(), _PERMUTATION, _SIGN)
+        action = reflect(action, self._mirrored(), _PERMUTATION, self.mirror_sign)
         self.previous_action = self.action
         self.action = action.where(self._scale > 0, 0.0)
         origin = self.nominal  # (12,), or (N, 12) on gaits or standing

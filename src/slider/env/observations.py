@@ -12,13 +12,21 @@ from typing import Any, Literal
 import numpy as np
 
 from slider.config.env import ObservationConfig
+from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+from slider.robot.names import (
+    MIRROR_PERMUTATION,
+    NUM_JOINTS,
+    channel_units,
+    joint_names,
+    mirror_sign,
+)
 
 Frame = Literal["base", "heading", "world", "none"]
+Names = tuple[str, ...] | Callable[[Geometry], tuple[str, ...]]
 VELOCITY_ERROR_RANGE = 0.2  # [m/s]
 
 
@@ -39,7 +47,10 @@ _XYZ = ("x", "y", "z")
 _POLAR = _in_place(1.0, -1.0, 1.0)  # vectors: y flips
 _AXIAL = _in_place(-1.0, 1.0, -1.0)  # angular velocities: x and z flip
 _LEVEL = _in_place(1.0, -1.0)  # forward and leftward
-_LEGS = Mirror(MIRROR_PERMUTATION, MIRROR_SIGN)
+
+
+def _legs(_: ObservationConfig, geometry: Geometry) -> Mirror:
+    return Mirror(MIRROR_PERMUTATION, mirror_sign(geometry))
 
 
 @dataclass(frozen=True)
@@ -47,28 +58,31 @@ class Observation(Term):
     """A term of the observation: a function of a view, (N, width).
 
     Attributes:
-        components: name of each value, in order; none for those of a grid.
+        components: name of each value, in order; none for those of a grid; of joints, theirs.
         units: unit of each value before scaling; one for all, or one each.
         frame: base (moves with the trunk), heading (turned by the yaw only), world or none.
         mirror: its reflection, whose size is its width; it may follow from the configuration.
     """
 
-    components: tuple[str, ...]
-    units: str | tuple[str, ...]
+    components: Names
+    units: str | Names
     frame: Frame
-    mirror: Mirror | Callable[[ObservationConfig], Mirror]
+    mirror: Mirror | Callable[[ObservationConfig, Geometry], Mirror]
 
     @property
     def meaning(self) -> str:
         """How to get the values, in one line: the docstring."""
         return " ".join((inspect.getdoc(self.function) or "").split())
 
-    def describe(self, width: int) -> dict[str, Any]:
+    def describe(self, width: int, geometry: Geometry) -> dict[str, Any]:
         """Units of all its ``width`` values, frame, components and meaning, as plain values."""
+        units, components = (
+            value(geometry) if callable(value) else value for value in (self.units, self.components)
+        )
         return {
-            "units": np.broadcast_to(self.units, width).tolist(),
+            "units": np.broadcast_to(units, width).tolist(),
             "frame": self.frame,
-            "components": list(self.components),
+            "components": list(components),
             "meaning": self.meaning,
         }
 
@@ -77,10 +91,10 @@ TERMS: dict[str, Observation] = {}
 
 
 def observation(
-    components: tuple[str, ...],
-    units: str | tuple[str, ...],
+    components: Names,
+    units: str | Names,
     frame: Frame,
-    mirror: Mirror | Callable[[ObservationConfig], Mirror],
+    mirror: Mirror | Callable[[ObservationConfig, Geometry], Mirror],
     needs: Needs = Needs.NOTHING,
 ) -> Callable[[Function], Function]:
     """Declare an observation term; the arguments are those of :class:`Observation`."""
@@ -135,25 +149,33 @@ def command(view: View) -> Array:
     return view.command
 
 
-@observation(JOINTS, CHANNEL_UNITS[:NUM_JOINTS], "none", _LEGS)
+def _position_units(geometry: Geometry) -> tuple[str, ...]:
+    return channel_units(geometry)[:NUM_JOINTS]
+
+
+def _velocity_units(geometry: Geometry) -> tuple[str, ...]:
+    return channel_units(geometry)[NUM_JOINTS : 2 * NUM_JOINTS]
+
+
+@observation(joint_names, _position_units, "none", _legs)
 def joint_positions(view: View) -> Array:
     """Joint position minus action.joints[i].nominal."""
     return view.state.joint_positions - view.nominal
 
 
-@observation(JOINTS, CHANNEL_UNITS[NUM_JOINTS : 2 * NUM_JOINTS], "none", _LEGS)
+@observation(joint_names, _velocity_units, "none", _legs)
 def joint_velocities(view: View) -> Array:
     """Joint velocity."""
     return view.state.joint_velocities
 
 
-@observation(JOINTS, "-", "none", _LEGS)
+@observation(joint_names, "-", "none", _legs)
 def previous_action(view: View) -> Array:
     """The last action: clipped, reflected back, 0 where its scale is 0."""
     return view.action
 
 
-@observation(JOINTS, "-", "none", _LEGS)
+@observation(joint_names, "-", "none", _legs)
 def action_before_previous(view: View) -> Array:
     """The action before the last one, likewise; 0 at the start.
 
@@ -203,7 +225,7 @@ def phase(view: View) -> Array:
     return _side_by_side(angle.sin()[:, None], angle.cos()[:, None]) * ~view.halted[:, None]
 
 
-def _mirrored_grid(config: ObservationConfig) -> Mirror:
+def _mirrored_grid(config: ObservationConfig, _: Geometry) -> Mirror:
     nx, ny = config.height_scan.points_x, config.height_scan.points_y
     reflected = np.arange(nx * ny).reshape(nx, ny)[:, ::-1].ravel()
     return Mirror(tuple(reflected.tolist()), (1.0,) * (nx * ny))
@@ -234,14 +256,14 @@ class Observer:
         permutation, sign: reflected observation = observation[permutation] · sign, (size,).
     """
 
-    def __init__(self, config: ObservationConfig) -> None:
+    def __init__(self, config: ObservationConfig, geometry: Geometry) -> None:
         check_names(TERMS, config.terms, "env.observation.terms")
         self._clip = config.clip
         self._terms = [(TERMS[name].function, scale) for name, scale in config.terms.items()]
         self.layout, permutations, signs, self.size = {}, [], [], 0
         for name in config.terms:
             mirror = TERMS[name].mirror
-            mirror = mirror if isinstance(mirror, Mirror) else mirror(config)
+            mirror = mirror if isinstance(mirror, Mirror) else mirror(config, geometry)
             permutations.append(self.size + np.array(mirror.permutation))
             signs.append(mirror.sign)
             self.layout[name] = len(mirror.sign)

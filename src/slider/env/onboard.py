@@ -21,10 +21,10 @@ from slider.env.height_field import FLAT, ScannedGround
 from slider.env.starts import SLIDES, turned
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
-from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
+from slider.robot.names import GRAVITY, NUM_JOINTS, NUM_MOTORS
 
 _READING = NUMBERS + 3  # standard normal numbers of a reading
-_BIASES = 9 + NUM_JOINTS + len(MOTORS)
+_BIASES = 9 + NUM_JOINTS + NUM_MOTORS
 
 
 class OnboardState:
@@ -59,7 +59,7 @@ class OnboardState:
         self._steps, self._episodes = 0, 0
         self._elapsed, self._age, self._scan_bias = zeros((3, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
-        self._torques = zeros((self._count, len(MOTORS)), self._like)
+        self._torques = zeros((self._count, NUM_MOTORS), self._like)
         self._bias = zeros((self._count, _BIASES), self._like)
 
     def begin(self, index: Array, qpos: Array, qvel: Array) -> None:

@@ -15,7 +15,7 @@ from slider.env.starts import NUMPY
 from slider.robot import names
 
 # Uniform numbers per robot: payload, one in reserve, delay, mass, friction, centre of mass, motors.
-DELAY, COLUMNS = 2, 8 + len(names.MOTORS)
+DELAY, COLUMNS = 2, 8 + names.NUM_MOTORS
 VARIED_FIELDS = (
     *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
     *("actuator_gainprm", "actuator_forcerange"),
@@ -59,7 +59,7 @@ class RandomizedRobots:
         self._config, self._write = config, write
         self._nominal = {name: asarray(getattr(nominal, name), like) for name in VARIED_FIELDS}
         self.masses = zeros(count, like) + float(nominal.body_mass.sum())
-        self.motor_gain = zeros((count, len(names.MOTORS)), like) + 1.0
+        self.motor_gain = zeros((count, names.NUM_MOTORS), like) + 1.0
         feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
         sliding = np.isin(nominal.geom_bodyid, feet)[:, None] & np.array([True, False, False])
         parameters = np.arange(nominal.actuator_gainprm.shape[1])

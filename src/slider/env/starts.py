@@ -13,7 +13,7 @@ from slider.robot.kinematics import (
     standing_height,
 )
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import JOINTS, NUM_JOINTS, leg_joint
+from slider.robot.names import EXTENSION, LEG_SIZE, NUM_JOINTS
 
 # Of checks on the way; that of the evaluations is configured, and by default the same.
 USUAL_NOISE = StartNoise(
@@ -25,7 +25,7 @@ USUAL_NOISE = StartNoise(
     joint_velocity=0.0,
 )
 NUMPY = np.zeros(0)
-SLIDES = np.array([name.endswith("slide") for name in JOINTS])  # or knees
+SLIDES = np.arange(NUM_JOINTS) % LEG_SIZE == EXTENSION  # or knees
 
 
 def at_rest(
@@ -70,19 +70,13 @@ def perturb(qpos: Array, qvel: Array, robot: RobotConfig, noise: StartNoise, rng
     qpos[:, 3:7] = multiply_quaternions(qpos[:, 3:7], quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
     spread = np.where(SLIDES, noise.slide_position, noise.joint_position)
     qpos[:, 7:] += asarray(spread, qpos) * rng.standard_normal((count, NUM_JOINTS))
-    lower, upper = (asarray(limit, qpos) for limit in joint_range(robot))
+    lower, upper = (asarray(limit, qpos) for limit in robot.joint_ranges)
     qpos[:, 7:] = qpos[:, 7:].clip(lower, upper)
     qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
     qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
     slides = SLIDES & (robot.geometry.knee is None)
     share = asarray(np.where(slides, 0.2, 1.0), qpos)  # a slide's m/s weigh more than rad/s
     qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
-
-
-def joint_range(robot: RobotConfig) -> tuple[Array, Array]:
-    """Lower and upper joint limits (12,) [rad or m]."""
-    joints = [robot.joints[leg_joint(name)] for name in JOINTS]
-    return np.array([x.lower for x in joints]), np.array([x.upper for x in joints])
 
 
 def multiply_quaternions(a: Array, b: Array) -> Array:

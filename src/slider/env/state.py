@@ -106,7 +106,7 @@ class SensorIndex:
             return range(start, start + int(model.sensor(sensor).dim[0]))
 
         sides = names.SIDES
-        self.torques = [of(f"{motor}_torque")[0] for motor in names.MOTORS]
+        self.torques = [of(f"{model.actuator(k).name}_torque")[0] for k in range(model.nu)]
         self.soles = [c for side in sides for c in of(f"{side}_sole_position")]
         self.sole_velocities = [c for side in sides for c in of(f"{side}_sole_velocity")]
         self.forces = [of(f"{side}_foot_force")[2] for side in sides]  # z of the net force

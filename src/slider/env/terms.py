@@ -17,7 +17,7 @@ def checked(config: Config) -> Config:
         UserError: names the key, what was expected and what was found.
     """
     terminations.check(config.env.termination.terms)
-    observations.Observer(config.env.observation)
+    observations.Observer(config.env.observation, config.robot.geometry)
     for key, train in config.trainings.items():
         rewards.check(train.reward.terms, f"{key}.reward.terms")
     return config

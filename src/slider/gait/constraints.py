@@ -14,11 +14,10 @@ from slider.core.errors import UserError
 from slider.gait.contact import end_loads, impact, mirrored
 from slider.gait.formulation import Formulation, Node, StepEnd, turned_back
 from slider.gait.tree import SWING
-from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
+from slider.robot.names import ACTUATED, LEG_MOTORS, SIDES
 
 ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
 _LENGTH = 0.1  # scale of small lengths [m]
-_RANGED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
 
 # One for all rows, or (n,), or for rows of a node a function of the phases (S,) that gives (S, n).
 Bound = float | np.ndarray | Callable[[np.ndarray], np.ndarray]
@@ -127,8 +126,10 @@ def _loads(node: Node) -> list[Constraint]:
     form, weight = node.form, node.form.weight
     vertical, cone = end_loads(form, node.force, node.moment)
     least = form.config.contact.min_vertical * weight
-    legs = ca.vertsplit(form.tree.map.positions(node.symbols.q), len(LEG_MOTORS))
-    ranges = [form.robot.joints[name] for name in _RANGED] * len(SIDES)
+    legs = ca.vertsplit(form.tree.map.positions(node.symbols.q), LEG_MOTORS)
+    sagittal, names = form.robot.geometry.sagittal, form.robot.geometry.leg_joints
+    # Yaw and roll are bounded as variables.
+    ranges = [form.robot.joints[names[place]] for place in sagittal] * len(SIDES)
     lower, upper = (np.array([getattr(r, side) for r in ranges]) for side in ("lower", "upper"))
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
@@ -137,7 +138,7 @@ def _loads(node: Node) -> list[Constraint]:
         at_least("friction", cone, 0.0, weight),
         within("motor_torque", node.torque_shares, 1.0),
         within("motor_voltage", node.voltage_shares, form.config.voltage),
-        Constraint("position", [leg[2:] for leg in legs], lower, upper),
+        Constraint("position", [leg[list(sagittal)] for leg in legs], lower, upper),
     ]
 
 
@@ -205,7 +206,7 @@ def of_touchdown(
     return [
         equality("impact", [jump.torques, moment[0]], 1.0),
         equality("foot_flat", [place[2], *level], _LENGTH),
-        equality("continuity", after.q - mirrored(before.q), 1.0),
+        equality("continuity", after.q - mirrored(before.q, form.robot.geometry), 1.0),
         # The conditions of contact on impulses, which are of the order of 1 N s.
         at_least("impact_vertical_force", vertical, 0.0),
         at_least("impact_friction", cone, 0.0),
@@ -259,13 +260,14 @@ def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
     ``posture`` bounds the flexion; a knee of the robot's own counts from its nominal one. A slide
     without a virtual knee has its own range.
     """
-    joints, posture, bend = form.robot.joints, form.config.posture, form.robot.geometry.bend
-    yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
+    posture, geometry = form.config.posture, form.robot.geometry
+    bounds, bend = form.robot.joint_ranges[:, ACTUATED], geometry.bend
     knee = np.array([posture.knee_min, posture.knee_max])
     if bend:
         knee = np.sort(np.sign(bend) * knee - bend)
-    elif form.robot.virtual_knee is None:
-        knee = np.array([joints["slide"].lower, joints["slide"].upper])
-    lower = np.tile([yaw.lower, roll.lower, -free, knee[0], -free], len(SIDES))
-    upper = np.tile([yaw.upper, roll.upper, free, knee[1], free], len(SIDES))
-    return lower, upper
+    pitch, extension, ankle = geometry.sagittal
+    if bend or form.robot.virtual_knee is not None:
+        bounds[:, extension::LEG_MOTORS] = knee[:, None]
+    for place in (pitch, ankle):
+        bounds[:, place::LEG_MOTORS] = [[-np.pi], [np.pi]]
+    return bounds[0], bounds[1]

@@ -3,15 +3,16 @@
 import casadi as ca
 import numpy as np
 
+from slider.config.robot import Geometry
 from slider.gait.dynamics import InverseDynamics
 from slider.gait.formulation import Formulation, StepEnd, turned_back
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS, BodyPose
-from slider.robot.names import LEG_MIRROR_SIGN
+from slider.robot.names import mirror_sign
 
 
-def mirrored(q: ca.SX) -> ca.SX:
+def mirrored(q: ca.SX, geometry: Geometry) -> ca.SX:
     """Joint vector (10,) in the next step's coordinates: legs swapped and reflected."""
-    sign = ca.DM(LEG_MIRROR_SIGN[:LEG_JOINTS])
+    sign = ca.DM(mirror_sign(geometry)[:LEG_JOINTS])
     return ca.SX(ca.vertcat(sign * q[LEG_JOINTS:], sign * q[:LEG_JOINTS]))
 
 
@@ -29,7 +30,9 @@ def impact(
     angular = new.angular - reflect_axial @ foot.angular
     linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
     jump, rest = (ca.SX.zeros(3), angular, linear), ca.SX.zeros(NUM_JOINTS)
-    return form.tree.newton_euler(jump, after.q, rest, after.v - mirrored(before.v))
+    return form.tree.newton_euler(
+        jump, after.q, rest, after.v - mirrored(before.v, form.robot.geometry)
+    )
 
 
 def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:

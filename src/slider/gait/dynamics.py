@@ -54,16 +54,16 @@ class InverseDynamics:
 class StanceTree:
     """The virtual-knee robot standing on its left foot."""
 
-    UPPER_LINK = "thigh"  # below the pitch axis
-
     def __init__(self, robot: Mechanism) -> None:
         self.map = LegMap.of(robot)
+        self.upper_link = "thigh"  # from which the line to the ankle is the leg
         self.bodies, self.edges = self._tree(robot)
         self.sole = np.array([0.0, 0.0, -robot.geometry.ankle_height])  # in the foot's frame [m]
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
-        leg = knee_leg(robot.geometry.axes, robot.sliding_leg)
-        return _both_legs(knee_bodies(robot)), edges_of(leg)
+        axes, knee = robot.geometry.axes, robot.sliding_leg
+        legs = (knee_leg(axes, knee, lateral) for lateral in (1.0, -1.0))
+        return _both_legs(knee_bodies(robot)), edges_of(*legs)
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
         """The stance foot; the middle of its line is the world's origin."""
@@ -115,16 +115,16 @@ class StanceTree:
 class OwnTree(StanceTree):
     """The real robot standing on its left foot, in the coordinates of its own joints."""
 
-    UPPER_LINK = "pitch"
-
     def __init__(self, robot: Mechanism) -> None:
         super().__init__(robot)
-        damping = [robot.joints[name].damping for name in names.LEG_JOINTS[:LEG_JOINTS]]
+        self.upper_link = "tube" if robot.geometry.knee is None else "pitch"
+        damping = [robot.joints[name].damping for name in robot.geometry.leg_joints[:LEG_JOINTS]]
         self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
         self._damping = ca.DM(np.tile(damping, 2))
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
-        return _both_legs(own_bodies(robot)), edges_of(own_leg(robot.geometry))
+        legs = (own_leg(robot.geometry, lateral) for lateral in (1.0, -1.0))
+        return _both_legs(own_bodies(robot)), edges_of(*legs)
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
@@ -170,7 +170,7 @@ def _pass(
     for edge in reversed(edges):
         force, moment = wrench[edge.child]
         moment = moment - ca.cross(ca.DM(edge.at_child), force)
-        efforts[edge.joint] = edge.sign * (force if edge.slides else moment)[edge.axis]
+        efforts[edge.joint] = ca.dot(edge.unit, force if edge.slides else moment)
         force, moment = frames[edge.child] @ force, frames[edge.child] @ moment
         own_force, own_moment = wrench[edge.parent]
         moment = moment + ca.cross(edge.place(q), force)
@@ -182,14 +182,14 @@ def _next_motion(motion: Motion, edge: Edge, q: ca.SX, v: ca.SX, a: ca.SX) -> tu
     """Rotation and motion of an edge's child, from its parent's motion."""
     angular, turning, linear = motion
     if edge.slides:
-        place, along = edge.place(q), edge.unit * edge.sign
+        place, along = edge.place(q), edge.unit
         moved = ca.cross(turning, place) + ca.cross(angular, ca.cross(angular, place))
         moved += 2 * ca.cross(angular, along * v[edge.joint]) + along * a[edge.joint]
         return ca.SX.eye(3), (angular, turning, linear + moved)
-    turn = rotation(edge.axis, edge.sign * q[edge.joint])
-    rate, carried = edge.unit * (edge.sign * v[edge.joint]), turn.T @ angular
+    turn = edge.rotation(q)
+    rate, carried = edge.unit * v[edge.joint], turn.T @ angular
     new_angular = carried + rate
-    new_turning = turn.T @ turning + edge.unit * (edge.sign * a[edge.joint])
+    new_turning = turn.T @ turning + edge.unit * a[edge.joint]
     new_turning += ca.cross(carried, rate)
     at_joint = turn.T @ (linear + _relative(angular, turning, edge.at_parent))
     return turn, (

@@ -126,7 +126,7 @@ class Node:
         dynamics: joint torques and efforts.
         force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
         poses: of all bodies; ``base`` is the torso's.
-        motor_torques, motor_speeds: both legs', stance first, in the order of ``LEG_MOTORS`` (10,)
+        motor_torques, motor_speeds: both legs', stance first, from the hip down (10,)
             [N m], [rad/s]. The slide's force is work over |dl/dθ|, which vanishes for a straight
             leg: the knee's lower bound keeps away from it.
         torque_shares: motor torques / limits (10,) [-].
@@ -170,7 +170,7 @@ class Node:
         top of a leg with a knee is taken as far beyond the hip, on the line from the ankle.
         """
         feet = [self.foot_ends(leg) for leg in (STANCE, SWING)]
-        tops, geometry, upper = [], self.form.robot.geometry, self.form.tree.UPPER_LINK
+        tops, geometry, upper = [], self.form.robot.geometry, self.form.tree.upper_link
         for leg in (STANCE, SWING):  # the upper foot's axis is beyond the hip, seen from the ankle
             hip, ankle = self.poses[f"{leg}_{upper}"].origin, self.poses[f"{leg}_foot"].origin
             way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)

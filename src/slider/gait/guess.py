@@ -6,10 +6,10 @@ import numpy as np
 
 from slider.config.gait import StartSpread
 from slider.config.robot import Mechanism, leg_scale
-from slider.gait.outputs import EXTENSION
 from slider.gait.problem import GaitProblem
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
+from slider.robot.names import ANKLE, EXTENSION
 
 LEG = 0.65  # hip-ankle distance that turns SLIDER's speed into leg angle [m]
 _PER_RADIAN = 0.2  # of the leg's length, by which a bent knee shortens it
@@ -62,19 +62,19 @@ def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> 
     """
     s, bend = np.linspace(0.0, 1.0, count), robot.geometry.bend
     sense = np.sign(bend) or -1.0  # about y; the virtual knee's axis is −y, and it is straight at 0
-    joints = np.zeros((NUM_JOINTS, count))
+    joints, pitch = np.zeros((NUM_JOINTS, count)), robot.geometry.sagittal[0]
     stance = swing * (1 - 2 * s)
     bent = crouch + BUMP * np.sin(np.pi * s)
     for leg, forward, flexion in ((0, stance, crouch + 0 * s), (LEG_JOINTS, -stance, bent)):
         if robot.virtual_knee is None and not bend:
             length = robot.geometry.leg_length
-            joints[leg + 2], joints[leg + 4] = -forward, forward
-            joints[leg + 3] = LEG * leg_scale(length) * np.cos(flexion / 2) - length
+            joints[leg + pitch], joints[leg + ANKLE] = -forward, forward
+            joints[leg + EXTENSION] = LEG * leg_scale(length) * np.cos(flexion / 2) - length
             continue
         turn = sense * flexion - bend
-        joints[leg + 2] = -turn / 2 - forward
-        joints[leg + 3] = turn if bend else -turn
-        joints[leg + 4] = -turn / 2 + forward
+        joints[leg + pitch] = -turn / 2 - forward
+        joints[leg + EXTENSION] = turn if bend else -turn
+        joints[leg + ANKLE] = -turn / 2 + forward
     return joints
 
 

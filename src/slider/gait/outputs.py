@@ -8,61 +8,75 @@ zero set on the gait; they differ in what a change of roll or heading does to it
 
 import numpy as np
 
-from slider.robot.names import ACTUATED, LEG_MIRROR_SIGN, LEG_MOTORS, SIDES
+from slider.config.robot import HIP_JOINTS, Geometry
+from slider.robot.names import ACTUATED, ANKLE, EXTENSION, mirror_sign
+from slider.robot.names import LEG_MOTORS as LEG
+from slider.robot.names import NUM_MOTORS as NUM_JOINTS
 
-LEG = len(LEG_MOTORS)  # driven joints of a leg
-NUM_JOINTS = LEG * len(SIDES)
 ROLL, YAW, JOINTS = 0, 1, 2  # places in the coordinates; joints follow
 NUM_COORDINATES = JOINTS + NUM_JOINTS
 STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
 
-_HIP = 3  # yaw, roll and pitch of a hip turn in this order
-_PITCH, EXTENSION, ANKLE = 2, 3, 4
+_HIP, _PITCH = len(HIP_JOINTS), HIP_JOINTS.index("hip_pitch")
 _DRIVEN = np.array(ACTUATED)
-_SIGN = np.array(LEG_MIRROR_SIGN[:LEG] * len(SIDES))
 _SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 
-def output_matrix(kind: str, knee: bool = False) -> np.ndarray:
-    """H (10, 12) of legs that slide, or have a ``knee``.
+def output_matrix(kind: str, geometry: Geometry) -> np.ndarray:
+    """H (10, 12), stance leg first; those of a hip are yaw, roll, pitch, whatever its order.
 
     ``joints``: the joints themselves. ``absolute``: yaw, roll and pitch of torso, swing leg and
     (pitch only) swing foot with respect to ground and heading in place of their joints (small
     angles), both slides or knees, the stance ankle and the swing hip's share; the torso then stays
     upright where the stance foot rolls.
     """
-    matrix = np.zeros((NUM_JOINTS, NUM_COORDINATES))
+    matrix, knee = np.zeros((NUM_JOINTS, NUM_COORDINATES)), geometry.knee is not None
     matrix[:, JOINTS:] = np.eye(NUM_JOINTS)
+    places = [geometry.axes.order.index(name) for name in HIP_JOINTS]
+    for leg in (0, LEG):
+        matrix[leg : leg + _HIP] = matrix[leg + np.array(places)]
     if kind == "joints":
         return matrix
+    # Each joint turns what is below it about its axis; yaw, roll and pitch are about z, x and y.
+    stance, swing = (
+        np.array([axis[[2, 0, 1]] for _, _, axis in geometry.axes.chain(lateral)]).T
+        for lateral in (1.0, -1.0)
+    )
     torso = np.zeros((_HIP, NUM_COORDINATES))
     torso[0, YAW] = torso[1, ROLL] = 1.0
-    torso[np.arange(_HIP), STANCE + np.arange(_HIP)] = -1.0
+    torso[:, STANCE : STANCE + _HIP] = -stance
     torso[_PITCH, STANCE + ANKLE] = -1.0
     if knee:
         torso[_PITCH, STANCE + EXTENSION] = -1.0
     matrix[:_HIP] = torso
-    matrix[LEG : LEG + _HIP] += torso
+    matrix[LEG : LEG + _HIP] = torso
+    matrix[LEG : LEG + _HIP, SWING : SWING + _HIP] += swing
     matrix[LEG + ANKLE] += matrix[LEG + _PITCH]
     if knee:
         matrix[LEG + ANKLE, SWING + EXTENSION] += 1.0
     return matrix
 
 
-def stance_first(joints: np.ndarray, right: np.ndarray) -> np.ndarray:
+def driven_signs(geometry: Geometry) -> np.ndarray:
+    """Signs (10,) of the reflection of the driven joints."""
+    return np.array(mirror_sign(geometry))[_DRIVEN]
+
+
+def stance_first(joints: np.ndarray, right: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """Reorder driven joints (n, 10) from left leg first to stance leg first, reflected; and back.
 
     Args:
         joints: positions, velocities or torques, left leg first.
         right: (n,) whether the right foot is the stance foot.
+        signs: of the reflection (10,).
     """
-    return np.where(right[:, None], _SIGN * joints[:, _SWAP], joints)
+    return np.where(right[:, None], signs * joints[:, _SWAP], joints)
 
 
-def stance_selection(right: np.ndarray) -> np.ndarray:
+def stance_selection(right: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """Matrices (n, 10, 12) from all joints (12,) to the driven ones, stance leg first."""
     rows = np.arange(NUM_JOINTS)
     selections = np.zeros((2, NUM_JOINTS, len(_SWAP) + 2))
     selections[0, rows, _DRIVEN] = 1.0
-    selections[1, rows, _DRIVEN[_SWAP]] = _SIGN
+    selections[1, rows, _DRIVEN[_SWAP]] = signs
     return selections[right.astype(int)]

@@ -74,7 +74,7 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
     rows = np.tile(
-        np.delete(output_matrix("absolute", robot.geometry.knee is not None), YAW, axis=1),
+        np.delete(output_matrix("absolute", robot.geometry), YAW, axis=1),
         (len(q), 1, 1),
     )
     if by_hip:

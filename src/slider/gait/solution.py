@@ -53,7 +53,7 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.layout.nodes, None)
     for joints in (q, v, torques, efforts):
-        joints[second] = knee_map.reflected(joints[second])
+        joints[second] = knee_map.reflected(joints[second], problem.form.robot.geometry)
     rotation[second] = _POLAR[:, None] * rotation[second] * _POLAR
     for polar in (position, velocity, force, swing):
         polar[second] *= _POLAR

@@ -112,7 +112,7 @@ def gait_arrays(
     stance[:half, 0] = stance[half:, 1] = 1.0
     roll = layout.node_vectors(variables)[..., :ROLL_STATES].copy()
     rooted = position[:, ACTUATED]  # stance leg first, reflected in right stance
-    rooted[half:] = reflected(rooted[half:])
+    rooted[half:] = reflected(rooted[half:], robot.geometry)
     rooted = np.concatenate([roll[..., 0].reshape(-1, 1), rooted], axis=1)
     return {
         "samples": np.concatenate([position, velocity, speeds], axis=1),

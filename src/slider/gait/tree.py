@@ -2,7 +2,7 @@
 
 The stance foot lies flat along its line: its frame can only roll about the line (world x). The
 tree runs from the stance (left) foot up to the base and down to the swing (right) foot; joints:
-stance then swing, each ``hip_yaw, hip_roll, hip_pitch, knee, ankle``.
+stance then swing, each three of the hip (``robot.geometry.axes.order``), knee, ankle.
 
 Eq. 1 (exact) leads from the virtual knee's coordinates to the slide's: q_p = φ(q_k), q̇_p = J q̇_k,
 q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
@@ -16,9 +16,9 @@ import casadi as ca
 import numpy as np
 
 from slider.config.robot import Geometry, HipAxes, Mechanism, VirtualKnee
-from slider.robot.names import KNEE_JOINTS, KNEE_LEG_JOINTS
+from slider.robot.names import LEG_MOTORS, NUM_MOTORS
 
-NUM_JOINTS, LEG_JOINTS = len(KNEE_JOINTS), len(KNEE_LEG_JOINTS)
+LEG_JOINTS, NUM_JOINTS = LEG_MOTORS, NUM_MOTORS
 _PITCH, _KNEE, _ANKLE = 2, 3, 4
 STANCE, SWING = "stance", "swing"
 
@@ -27,30 +27,37 @@ STANCE, SWING = "stance", "swing"
 class Edge:
     """Joint from body ``parent`` to ``child`` of the rooted tree.
 
-    ``sign`` is −1 where the tree runs against the joint (from the stance foot to the base);
-    ``at_parent``, ``at_child``: the joint's place in the two body frames [m]. ``slides``: the joint
-    moves the child along the axis instead of turning it.
+    ``axis``: unit vector about which the joint turns the child, against the joint's own from the
+    stance foot to the base; ``at_parent``, ``at_child``: the joint's place in the two body frames
+    [m]. ``slides``: the joint moves the child along the axis instead of turning it.
     """
 
     parent: str
     child: str
     joint: int
-    axis: int
-    sign: float
+    axis: np.ndarray
     at_parent: np.ndarray
     at_child: np.ndarray
     slides: bool = False
 
     @property
     def unit(self) -> ca.DM:
-        """The axis (3,)."""
-        return ca.DM(np.eye(3)[self.axis])
+        """The axis (3,), sparse."""
+        return ca.sparsify(ca.DM(self.axis))
+
+    def rotation(self, q: ca.SX) -> ca.SX:
+        """Rotation matrix (3, 3) from the child to the parent, of a joint that turns."""
+        angle, along = q[self.joint], np.flatnonzero(self.axis)
+        if len(along) == 1:
+            return rotation(int(along[0]), float(self.axis[along[0]]) * angle)
+        cross = ca.skew(ca.DM(self.axis))
+        return ca.DM.eye(3) + ca.sin(angle) * cross + (1 - ca.cos(angle)) * (cross @ cross)
 
     def place(self, q: ca.SX) -> ca.SX:
         """Where the joint has moved the child to, in the parent's frame (3,) [m]."""
         if not self.slides:
             return ca.SX(ca.DM(self.at_parent))
-        return ca.DM(self.at_parent) + self.unit * (self.sign * q[self.joint])
+        return ca.DM(self.at_parent) + self.unit * q[self.joint]
 
 
 @dataclass(frozen=True)
@@ -73,45 +80,48 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
     return matrix
 
 
-# Bodies of a left leg from the hip down: name, axis, its sign, place in the body above [m], slides.
-Link = tuple[str, int, float, list[float], bool]
+# Bodies of a leg from the hip down: name, axis, place in the body above, whether the joint slides.
+Link = tuple[str, np.ndarray, np.ndarray, bool]
+_LEFTWARD = np.array([0.0, 1.0, 0.0])
 
 
-def knee_leg(axes: HipAxes, knee: VirtualKnee) -> list[Link]:
-    """The knee bends about −y."""
-    shank = ("shank", 1, -1.0, [0.0, 0.0, -knee.thigh_length], False)
-    return [*_hip(axes, "thigh"), shank, ("foot", 1, 1.0, [0.0, 0.0, -knee.shank_length], False)]
+def knee_leg(axes: HipAxes, knee: VirtualKnee, lateral: float) -> list[Link]:
+    """Left (1) or right (−1) leg with the virtual knee, which bends about −y."""
+    thigh, shank = ([0.0, 0.0, -each] for each in (knee.thigh_length, knee.shank_length))
+    below = ("shank", -_LEFTWARD, thigh), ("foot", _LEFTWARD, shank)
+    hip = _hip(axes, lateral, "thigh")
+    return [*hip, *((name, axis, np.array(place), False) for name, axis, place in below)]
 
 
-def own_leg(geometry: Geometry) -> list[Link]:
-    """The slide lowers the tube along −z; or the knee turns it about y."""
+def own_leg(geometry: Geometry, lateral: float) -> list[Link]:
+    """Left (1) or right (−1) leg: the slide lowers the tube along −z; or the knee turns about y."""
     x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    tube = ("tube", 2, -1.0, [0.0, 0.0, 0.0], True)
-    if geometry.knee is not None:
-        tube = ("tube", 1, 1.0, [x, y, z], False)
-    foot = ("foot", 1, 1.0, [-x + 0.0, -y + 0.0, -geometry.leg_length - z], False)
-    return [*_hip(geometry.axes, "pitch"), tube, foot]
+    reflection, knee = np.array([1.0, lateral, 1.0]), geometry.knee is not None
+    axis = _LEFTWARD if knee else np.array([0.0, 0.0, -1.0])
+    from_hip = reflection * ([x, y, z] - geometry.axes.below_pitch) + 0.0
+    ankle = reflection * [-x, -y, -geometry.leg_length - z] + 0.0
+    tube, foot = ("tube", axis, from_hip, not knee), ("foot", _LEFTWARD, ankle, False)
+    return [*_hip(geometry.axes, lateral, "pitch"), tube, foot]
 
 
-def _hip(axes: HipAxes, below: str) -> list[Link]:
-    return [
-        ("yaw", 2, 1.0, [*axes.hip_yaw], False),
-        ("roll", 0, 1.0, [*axes.hip_roll], False),
-        (below, 1, 1.0, [*axes.hip_pitch], False),
-    ]
+def _hip(axes: HipAxes, lateral: float, pitch: str) -> list[Link]:
+    """``pitch``: name of the link below the pitch axis."""
+    links = {"hip_yaw": "yaw", "hip_roll": "roll", "hip_pitch": pitch}
+    return [(links[name], axis, place, False) for name, place, axis in axes.chain(lateral)]
 
 
-def edges_of(chain: list[Link]) -> list[Edge]:
+def edges_of(left: list[Link], right: list[Link]) -> list[Edge]:
     """From the stance (left) foot up to the base and down to the swing foot."""
     edges, zero = list[Edge](), np.zeros(3)
-    for side, lateral in ((STANCE, 1.0), (SWING, -1.0)):
+    for side, chain in ((STANCE, left), (SWING, right)):
         parent = "base"
-        for k, (name, axis, turn, place, slides) in enumerate(chain):
-            place, child = np.array(place) * [1.0, lateral, 1.0] + 0.0, f"{side}_{name}"
+        for k, (name, axis, place, slides) in enumerate(chain):
+            child = f"{side}_{name}"
             if side == STANCE:
-                edges.insert(0, Edge(child, parent, k, axis, -turn, zero, place, slides))
+                ends = (0.0 - place, zero) if slides else (zero, place)  # a slide does not turn
+                edges.insert(0, Edge(child, parent, k, 0.0 - axis, *ends, slides))
             else:
-                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, turn, place, zero, slides))
+                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, place, zero, slides))
             parent = child
     return edges
 
@@ -119,12 +129,12 @@ def edges_of(chain: list[Link]) -> list[Edge]:
 def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
     """The child's pose of a parent's."""
     if edge.slides:
-        place, rate = edge.place(q), edge.unit * (edge.sign * v[edge.joint])
+        place, rate = edge.place(q), edge.unit * v[edge.joint]
         moved = pose.linear + pose.rotation @ (ca.cross(pose.angular, place) + rate)
         return BodyPose(pose.rotation, pose.origin + pose.rotation @ place, pose.angular, moved)
-    turn = rotation(edge.axis, edge.sign * q[edge.joint])
+    turn = edge.rotation(q)
     rot = pose.rotation @ turn
-    angular = turn.T @ pose.angular + edge.unit * (edge.sign * v[edge.joint])
+    angular = turn.T @ pose.angular + edge.unit * v[edge.joint]
     at_parent, at_child = ca.DM(edge.at_parent), ca.DM(edge.at_child)
     origin = pose.origin + pose.rotation @ at_parent - rot @ at_child
     linear = pose.linear + pose.rotation @ ca.cross(pose.angular, at_parent)
@@ -146,7 +156,8 @@ def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
 class LegMap:
     """Hip pitch, leg length and ankle of the prismatic leg over the knee's flexion θ.
 
-    Without a virtual knee it is the identity: gaits are in the leg's own coordinates.
+    Without a virtual knee it is the identity: gaits are in the leg's own coordinates. With one the
+    pitch axis is the last of the hip.
 
     Attributes:
         shifts: θ → what adds to (hip pitch, 0, ankle) and the leg length (3,) [rad, m, rad].

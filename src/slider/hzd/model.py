@@ -98,7 +98,7 @@ class RootedModel:
     """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
 
     def __init__(self, robot: Mechanism, functions: Source = interpreted) -> None:
-        self.symbols, self.has_knee = RootedRobot(robot), robot.geometry.knee is not None
+        self.symbols, self.geometry = RootedRobot(robot), robot.geometry
         self._batch = partial(Batch, functions=functions)
 
     def constrained(
@@ -165,7 +165,7 @@ class RootedModel:
         flat = s.q + pitch * ca.DM(np.eye(NUM)[1 + LEG + ANKLE])
         foot = s.poses(flat)["swing_foot"]
         roll = -ca.atan2(foot.rotation[2, 1], foot.rotation[2, 2])
-        place = ca.vertcat(roll, mirrored(flat[1:]))
+        place = ca.vertcat(roll, mirrored(flat[1:], self.geometry))
         yaw = ca.atan2(foot.rotation[1, 0], foot.rotation[0, 0])
 
         rate = ca.SX.sym("after", NUM)
@@ -173,7 +173,7 @@ class RootedModel:
         turning = new.angular - _AXIAL * foot.angular
         linear = new.rotation.T @ new.linear - _POLAR * (foot.rotation.T @ foot.linear)
         foot_jump, rest = (ca.SX.zeros(3), turning, linear), ca.SX.zeros(NUM_JOINTS)
-        change = rate[1:] - mirrored(s.v[1:])
+        change = rate[1:] - mirrored(s.v[1:], self.geometry)
         jump = s.tree.newton_euler(foot_jump, place[1:], rest, change)
         impulse = ca.vertcat(s.tree.line_wrench(roll, jump)[1][0], jump.efforts)
         mass = ca.jacobian(impulse, rate)

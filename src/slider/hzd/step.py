@@ -75,7 +75,7 @@ class ClosedLoop:
     @property
     def outputs(self) -> np.ndarray:
         """H (10, 12)."""
-        return output_matrix(self.config.outputs, self.model.has_knee)
+        return output_matrix(self.config.outputs, self.model.geometry)
 
     def step(
         self,
@@ -244,7 +244,7 @@ class _Steps:
 
     @cached_property
     def _outputs(self) -> np.ndarray:
-        return output_matrix(self.config.outputs, self.model.has_knee)
+        return output_matrix(self.config.outputs, self.model.geometry)
 
     @cached_property
     def _columns(self) -> np.ndarray:

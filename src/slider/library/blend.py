@@ -15,7 +15,7 @@ from slider.gait import bezier
 from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
-from slider.robot.names import JOINTS, velocity_text
+from slider.robot.names import NUM_JOINTS, velocity_text
 
 _BLENDED = ("step_time", "coefficients", "roll")
 _OUTSIDE = 1e-6  # [m/s]
@@ -55,7 +55,10 @@ class Gait:
         coefficients = self.coefficients[step]
         q = bezier.evaluate(coefficients, phase)
         v = bezier.evaluate(coefficients, phase, order=1) / self.step_time[step]
-        return (q, v) if step == 0 else (knee_map.reflected(q), knee_map.reflected(v))
+        if step == 0:
+            return q, v
+        geometry = self.library.robot.geometry
+        return knee_map.reflected(q, geometry), knee_map.reflected(v, geometry)
 
     def joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities (N, 12) of the prismatic joints (eq. 1) at phases (N,)."""
@@ -87,7 +90,7 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     weights = mesh.weights(velocity[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
-    speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
+    speeds = np.tensordot(weights, arrays["samples"][..., 2 * NUM_JOINTS :], axes=1)
     return Gait(
         velocity=mesh.inside(velocity),
         weights=weights,

@@ -10,8 +10,24 @@ import numpy as np
 import pandas as pd
 
 from slider.library import measures
-from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
-from slider.robot.names import CHANNELS, JOINTS, MOTORS, SIDES, channel_units, velocity_text
+from slider.library.reader import (
+    ARRAYS,
+    BASE_CHANNELS,
+    CONSTRAINT,
+    COORDINATES,
+    WRENCH_COMPONENTS,
+    GaitLibrary,
+    labels,
+)
+from slider.robot.names import (
+    NUM_JOINTS,
+    SIDES,
+    channel_units,
+    channels,
+    joint_names,
+    motor_names,
+    velocity_text,
+)
 from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
@@ -35,7 +51,7 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         "  peaks",
     ]
     torque, voltage = (shares[gait] for shares in measures.motor_shares(library))
-    limits = Transmission.of(library.robot).torque
+    limits, names = Transmission.of(library.robot).torque, motor_names(library.robot.geometry)
     for quantity, shares, most, unit in (
         ("torque", torque, limits, "N m"),
         ("voltage", voltage, np.ones_like(voltage), "of the bus"),
@@ -43,7 +59,7 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         motor = int(shares.argmax())
         peak = f"{shares[motor] * most[motor]:8.2f} of {most[motor]:g} {unit}"
         lines.append(
-            f"    {quantity:<12}{peak:<26}{f'{100 * shares[motor]:.0f} %':>6}  {MOTORS[motor]}"
+            f"    {quantity:<12}{peak:<26}{f'{100 * shares[motor]:.0f} %':>6}  {names[motor]}"
         )
     lines.append("  worst residuals [SI unit of the constraint]")
     residuals = arrays["residuals"][gait]
@@ -56,7 +72,8 @@ def library_lines(library: GaitLibrary) -> list[str]:
     mesh, arrays = library.mesh, library.arrays
     torque, voltage = measures.motor_shares(library)
     clearances = [100 * measures.clearance(library, i) for i in range(len(library))]
-    units = _units(library)
+    geometry = library.robot.geometry
+    names, units = channels(geometry), channel_units(geometry)
     lines = [
         f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
@@ -74,7 +91,7 @@ def library_lines(library: GaitLibrary) -> list[str]:
         (
             "slide speed",
             measures.slide_speed(library),
-            units[CHANNELS.index("left_slide.velocity")],
+            units[names.index("left_slide.velocity")],
         ),
         ("clearance", clearances, "cm"),
     ):
@@ -89,7 +106,7 @@ def library_lines(library: GaitLibrary) -> list[str]:
         return [*lines, "  smoothness: no neighbouring gaits"]
     *pair, channel = measured.worst
     first, second = (velocity_text(library.velocities[index]) for index in pair)
-    jump = f"{100 * measured.largest:.1f} % of the range of {CHANNELS[channel]}"
+    jump = f"{100 * measured.largest:.1f} % of the range of {names[channel]}"
     return [*lines, f"  smoothness: greatest jump {jump}, between {first} and {second}"]
 
 
@@ -112,24 +129,21 @@ def _axis(values: np.ndarray) -> str:
     return ", ".join(texts)
 
 
-def _units(library: GaitLibrary) -> tuple[str, ...]:
-    return channel_units(library.robot.geometry.knee is not None)
-
-
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
     arrays = {name: library.arrays[name][gait] for name in ARRAYS}
     stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
-    channels = _units(library)
-    effort_units = ["N" if unit == "m" else "N m" for unit in channels[: len(JOINTS)]]
-    for array, labels, units in (
-        ("samples", CHANNELS, channels),
-        ("base", [f"base_motion.{name}" for name in LABELS["base_channel"]], _BASE_UNITS),
-        ("efforts", [f"{name}.effort" for name in JOINTS], effort_units),
-        ("ground_wrench", [f"ground.{n}" for n in LABELS["wrench_component"]], _WRENCH_UNITS),
+    geometry = library.robot.geometry
+    sample_units = channel_units(geometry)
+    effort_units = ["N" if unit == "m" else "N m" for unit in sample_units[:NUM_JOINTS]]
+    for array, texts, units in (
+        ("samples", channels(geometry), sample_units),
+        ("base", [f"base_motion.{name}" for name in BASE_CHANNELS], _BASE_UNITS),
+        ("efforts", [f"{name}.effort" for name in joint_names(geometry)], effort_units),
+        ("ground_wrench", [f"ground.{n}" for n in WRENCH_COMPONENTS], _WRENCH_UNITS),
     ):
-        for label, unit, values in zip(labels, units, arrays[array].T, strict=True):
+        for label, unit, values in zip(texts, units, arrays[array].T, strict=True):
             columns[f"{label} [{unit}]"] = values
     pd.DataFrame(columns).to_csv(path, index=False, float_format="%.10g", lineterminator="\n")
 
@@ -137,10 +151,11 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
 def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write the library's arrays of one gait, without the axis of the gaits, and their labels."""
     arrays = {name: library.arrays[name][gait] for name in (*ARRAYS, *COORDINATES)}
-    labels = LABELS | {CONSTRAINT: library.constraints}
-    texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in labels.items()}
+    geometry = library.robot.geometry
+    named = labels(geometry) | {CONSTRAINT: library.constraints}
+    texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in named.items()}
     arrays["status"] = np.array(str(arrays["status"]))
-    units = np.array(_units(library), dtype=str)
+    units = np.array(channel_units(geometry), dtype=str)
     with path.open("wb") as file:  # else numpy appends .npz to other names
         np.savez(file, allow_pickle=False, channel_units=units, **arrays, **texts)
 

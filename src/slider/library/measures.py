@@ -6,11 +6,10 @@ import numpy as np
 
 from slider.library.reader import GaitLibrary
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.names import EXTENSION, LEG_SIZE, NUM_JOINTS
 from slider.robot.transmission import Transmission
 
 _SPEEDS = slice(NUM_JOINTS, 2 * NUM_JOINTS)
-_SLIDES = [i for i in range(NUM_JOINTS) if JOINTS[i].endswith("slide")]
 
 
 def motor_torques(library: GaitLibrary, gait: int) -> np.ndarray:
@@ -27,7 +26,9 @@ def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
-    return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
+    return np.abs(library.arrays["samples"][..., _SPEEDS][..., EXTENSION::LEG_SIZE]).max(
+        axis=(1, 2)
+    )
 
 
 def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:

@@ -13,10 +13,17 @@ import numpy as np
 import zarr
 
 from slider.config.convert import from_dict
-from slider.config.robot import Mechanism
+from slider.config.robot import Geometry, Mechanism
 from slider.core.errors import UserError
 from slider.library.mesh import VelocityMesh, distances
-from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES, VELOCITY, velocity_text
+from slider.robot.names import (
+    SIDES,
+    VELOCITY,
+    channels,
+    joint_names,
+    knee_joint_names,
+    velocity_text,
+)
 
 STORE = "library.zarr"
 SCHEMA = "slider-gait-library"
@@ -64,27 +71,33 @@ COORDINATES: dict[str, Array] = {
     "status": Array("IPOPT's return status"),
 }
 
-# Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates.
-# The names of the constraints are the formulation's and come with the gaits.
 CONSTRAINT = "constraint"
-LABELS: dict[str, tuple[str, ...]] = {
-    "component": VELOCITY,
-    "channel": CHANNELS,
-    "joint": JOINTS,
-    "knee_joint": KNEE_JOINTS,
-    "step": SIDES,  # by its stance foot
-    "foot": SIDES,
-    "base_channel": (
-        *("x", "y", "z"),
-        *("qw", "qx", "qy", "qz"),
-        *("vx", "vy", "vz"),
-        *("wx", "wy", "wz"),
-    ),
-    "wrench_component": ("fx", "fy", "fz", "mx", "my", "mz"),
-    "coordinate": ("x", "y", "z"),
-    "decoupling_channel": ("least_singular_value", "condition_number"),
-    "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
-}
+"""Axis of the residuals, whose names are the formulation's and come with the gaits."""
+BASE_CHANNELS = (
+    *("x", "y", "z"),
+    *("qw", "qx", "qy", "qz"),
+    *("vx", "vy", "vz"),
+    *("wx", "wy", "wz"),
+)
+WRENCH_COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def labels(geometry: Geometry) -> dict[str, tuple[str, ...]]:
+    """Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates."""
+    return {
+        "component": VELOCITY,
+        "channel": channels(geometry),
+        "joint": joint_names(geometry),
+        "knee_joint": knee_joint_names(geometry),
+        "step": SIDES,  # by its stance foot
+        "foot": SIDES,
+        "base_channel": BASE_CHANNELS,
+        "wrench_component": WRENCH_COMPONENTS,
+        "coordinate": ("x", "y", "z"),
+        "decoupling_channel": ("least_singular_value", "condition_number"),
+        "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
+    }
+
 
 # Attributes from the configuration: robot and settings of the gaits (``gait.*``), ...
 ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")

@@ -10,6 +10,7 @@ import zarr
 
 from slider.config.convert import from_dict
 from slider.config.gait import LibraryConfig
+from slider.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
@@ -17,13 +18,20 @@ from slider.library.reader import (
     ARRAYS,
     CONSTRAINT,
     COORDINATES,
-    LABELS,
     ORIGIN,
     SCHEMA,
     STORE,
     VERSION,
+    labels,
 )
-from slider.robot.names import CHANNELS, VELOCITY, channel_units, velocity_text
+from slider.robot.names import (
+    NUM_JOINTS,
+    PASSIVE,
+    VELOCITY,
+    channel_units,
+    channels,
+    velocity_text,
+)
 
 _TEXT = np.dtypes.StringDType()
 _SCALARS = ("cost", "max_violation", "iterations")
@@ -73,6 +81,7 @@ def _write(
     Zarr's settings are its defaults, whatever variables (``ZARR_…``) and files say.
     """
     constraints = tuple(reports[0]["residuals"])
+    geometry = from_dict(Mechanism, attributes["robot"], "robot").geometry
     columns = {name: _column(reports, name) for name in (*_SCALARS, *COORDINATES)}
     columns["velocities"] = np.array([_velocity(report) for report in reports])
     residuals = [[report["residuals"][name] for name in constraints] for report in reports]
@@ -83,9 +92,9 @@ def _write(
             {
                 "schema": SCHEMA,
                 "version": VERSION,
-                "channels": list(CHANNELS),
-                "channel_units": list(channel_units(bool(attributes["robot"]["geometry"]["knee"]))),
-                "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
+                "channels": list(channels(geometry)),
+                "channel_units": list(channel_units(geometry)),
+                "passive_channels": [*PASSIVE, *(NUM_JOINTS + joint for joint in PASSIVE)],
                 "coordinates": " ".join(COORDINATES),  # as xarray reads it
                 **attributes,
             }
@@ -100,8 +109,8 @@ def _write(
             if values is None:
                 values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
             create(name, values, ("gait", *array.axes), array.unit)
-        for name, labels in (LABELS | {CONSTRAINT: constraints}).items():
-            create(name, np.array(labels, dtype=_TEXT), (name,), "name")
+        for name, values in (labels(geometry) | {CONSTRAINT: constraints}).items():
+            create(name, np.array(values, dtype=_TEXT), (name,), "name")
 
 
 def _velocity(report: Report) -> list[float]:

@@ -3,14 +3,11 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.robot.names import LEG_JOINTS
-
-_YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
-    LEG_JOINTS.index(name)
-    for name in ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
-)
+from slider.robot.names import ANKLE, EXTENSION, LEG_SIZE, UPPER_FOOT
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
@@ -69,7 +66,6 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
 
 _LEAST_GROWTH = 0.04  # of a leg per angle of its knee, as a share of its length
 _STRAIGHTEST = 0.995  # length of a leg as a share of thigh and shank
-SAGITTAL = ("hip_pitch", "slide", "ankle")  # along which a leg stretches
 
 
 class FootMotion(NamedTuple):
@@ -102,32 +98,31 @@ def foot_motion(
     positions, velocities = zeros((2, count, 2, 2, 3), joints)
     axes, turns = zeros((count, 2, 3), joints), zeros((count, 2), joints)
     for leg in range(2):
-        rate = rates[:, leg * len(LEG_JOINTS) :]
+        rate = rates[:, leg * LEG_SIZE :]
         links = _leg(geometry, rotation, joints, leg)
         tube, ankle, omega = links.tube, links.ankle, turning
         place, velocity = zeros((2, count, 3), joints)  # of the base's origin
-        for axis, following, speed in (
-            (rotation[:, :, 2], links.hip_yaw, rate[:, _YAW]),
-            (links.yaw[:, :, 0], links.hip_roll, rate[:, _ROLL]),
-            (tube[:, :, 1], links.hip_pitch, rate[:, _PITCH]),
-        ):
+        hip = hip_velocity = place
+        for index, name in enumerate(geometry.axes.order):
+            following, axis = links.hip[name]
             velocity = velocity + xp.linalg.cross(omega, following - place)
-            omega, place = omega + axis * speed[:, None], following
+            omega, place = omega + axis * rate[:, index, None], following
+            if name == "hip_pitch":
+                hip, hip_velocity = place, velocity
         if geometry.knee is None:
             axes[:, leg] = tube[:, :, 2]
             turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
             velocity = velocity + xp.linalg.cross(omega, ankle - place)
-            velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
+            velocity = velocity - tube[:, :, 2] * rate[:, EXTENSION, None]
         else:
-            hip, hip_velocity = place, velocity
             velocity = velocity + xp.linalg.cross(omega, links.knee - place)
-            omega = omega + tube[:, :, 1] * rate[:, _SLIDE, None]
+            omega = omega + tube[:, :, 1] * rate[:, EXTENSION, None]
             velocity = velocity + xp.linalg.cross(omega, ankle - links.knee)
             length = xp.linalg.vector_norm(hip - ankle, axis=1)[:, None]
             axes[:, leg] = (hip - ankle) / length
             across = xp.linalg.cross(axes[:, leg], velocity - hip_velocity) / length
             turns[:, leg] = xp.linalg.vector_norm(across, axis=1)
-        omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
+        omega = omega + tube[:, :, 1] * rate[:, ANKLE, None]
         positions[:, leg] = _ends(geometry, ankle, tube, joints, leg)
         arms = positions[:, leg] - ankle[:, None]
         velocities[:, leg] = velocity[:, None] + xp.linalg.cross(omega[:, None], arms)
@@ -151,49 +146,49 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
         links = _leg(geometry, rotation, joints, leg)
         tube, ankle = links.tube, links.ankle
         if geometry.knee is not None:
-            chain = links.hip_pitch, ankle, links.knee, links.knee, links.hip_pitch
+            hip, _ = links.hip["hip_pitch"]
+            chain = hip, ankle, links.knee, links.knee, hip
             points[:, leg] = xp.stack(chain, axis=1)
             continue
         top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
-        upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
-        points[:, leg, :3] = xp.stack([links.hip_pitch, ankle, top], axis=1)
+        upper = tube @ _about_y(joints[:, leg * LEG_SIZE + UPPER_FOOT])
+        points[:, leg, :3] = xp.stack([links.hip["hip_pitch"][0], ankle, top], axis=1)
         for end, x in ((3, -geometry.heel), (4, geometry.toe)):
             points[:, leg, end] = top + upper @ asarray([x, 0.0, geometry.ankle_height], joints)
     return points
 
 
 class _Leg(NamedTuple):
-    """Joints of a leg relative to the base origin, in world axes; rotations of links to world."""
+    """Joints of a leg relative to the base origin, in world axes; rotations of links to world.
 
-    hip_yaw: Array  # (N, 3) [m]
-    hip_roll: Array
-    hip_pitch: Array
-    knee: Array  # of a leg that slides the hip
+    Attributes:
+        hip: place (N, 3) [m] and axis (N, 3) of each of its joints by name.
+        knee, ankle: places (N, 3) [m]; the knee of a leg that slides is on its pitch axis at zero.
+        tube: rotation (N, 3, 3).
+    """
+
+    hip: dict[str, tuple[Array, Array]]
+    knee: Array
     ankle: Array
-    yaw: Array  # (N, 3, 3)
     tube: Array
 
 
 def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
-    q, axes, side = joints[:, leg * len(LEG_JOINTS) :], geometry.axes, (1.0, -1.0)[leg]
-    to_yaw, to_roll, to_pitch = (
-        asarray([x, side * y, z], joints)
-        for x, y, z in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
-    )
-    yaw = rotation @ about_z(q[:, _YAW])
-    roll = yaw @ about_x(q[:, _ROLL])
-    tube = roll @ _about_y(q[:, _PITCH])
-    hip_yaw = rotation @ to_yaw
-    hip_roll = hip_yaw + yaw @ to_roll
-    knee = hip = hip_roll + roll @ to_pitch
+    q, lateral, hip = joints[:, leg * LEG_SIZE :], (1.0, -1.0)[leg], {}
+    below, tube = zeros((len(joints), 3), joints), rotation
+    for index, (name, place, axis) in enumerate(geometry.axes.chain(lateral)):
+        below = below + tube @ asarray(place, joints)
+        hip[name] = below, tube @ asarray(axis, joints)
+        tube = tube @ _about(axis, q[:, index])
+    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
+    from_last = [x, y, z] - geometry.axes.below_pitch
+    knee = below + tube @ asarray(from_last * [1.0, lateral, 1.0], joints)
     if geometry.knee is None:
-        ankle = hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
+        ankle = knee - tube[:, :, 2] * (geometry.leg_length + q[:, EXTENSION])[:, None]
     else:
-        x, y, z = geometry.knee
-        knee = hip + tube @ asarray([x, side * y, z], joints)
-        tube = tube @ _about_y(q[:, _SLIDE])
-        ankle = knee + tube @ asarray([-x, -side * y, -geometry.leg_length - z], joints)
-    return _Leg(hip_yaw, hip_roll, hip, knee, ankle, yaw, tube)
+        tube = tube @ _about_y(q[:, EXTENSION])
+        ankle = knee + tube @ asarray([-x, -lateral * y, -geometry.leg_length - z], joints)
+    return _Leg(hip, knee, ankle, tube)
 
 
 def stretching(geometry: Geometry, extension: Array) -> Array:
@@ -238,7 +233,7 @@ def stretched(geometry: Geometry, extension: Array, longer: Array) -> Array:
 
 
 def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
-    """Ankle from the pitch axis, forward and up in the pitch link's frame [m]."""
+    """Ankle from the pitch axis, forward and up with roll and yaw below it at zero [m]."""
     xp, (x, _, z) = namespace(knee), geometry.knee or (0.0, 0.0, 0.0)
     sine, cosine, shank = xp.sin(knee), xp.cos(knee), geometry.leg_length + z
     return x - x * cosine - shank * sine, z + x * sine - shank * cosine
@@ -246,7 +241,7 @@ def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
 
 def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:
     """Lowest points of heel and toe (N, 2, 3), of ankle and rotation of the tube."""
-    foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
+    foot = tube @ _about_y(joints[:, leg * LEG_SIZE + ANKLE])
     height, ends = geometry.foot_radius - geometry.ankle_height, zeros((len(joints), 2, 3), joints)
     for end, x in enumerate((-geometry.heel, geometry.toe)):
         centre = foot @ asarray([x, 0.0, height], joints)
@@ -272,6 +267,17 @@ def about_x(angle: Array) -> Array:
 
 def _about_y(angle: Array) -> Array:
     return _rotation(angle, 2, 0)
+
+
+def _about(axis: np.ndarray, angle: Array) -> Array:
+    """Rotations (N, 3, 3) about a unit vector (3,) by angles (N,) [rad]."""
+    along = np.flatnonzero(axis)
+    if len(along) == 1 and axis[along[0]] > 0.0:
+        return (about_x, _about_y, about_z)[along[0]](angle)
+    cross = asarray(np.cross(np.eye(3), axis), angle)  # [axis]×
+    sine, versine = namespace(angle).sin(angle), 1.0 - namespace(angle).cos(angle)
+    turned = sine[:, None, None] * cross + versine[:, None, None] * (cross @ cross)
+    return turned + asarray(np.eye(3), angle)
 
 
 def _rotation(angle: Array, first: int, second: int) -> Array:

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.config.robot import Mechanism
-from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS
+from slider.config.robot import Geometry, Mechanism
+from slider.robot.names import ACTUATED, LEG_MOTORS, NUM_JOINTS, mirror_sign
 
-_LEG = len(KNEE_LEG_JOINTS)
-_PITCH, _KNEE, _ANKLE = (np.s_[..., k::_LEG] for k in (2, 3, 4))  # of both legs
-_MIRROR = np.array(LEG_MIRROR_SIGN[:_LEG])
+_PITCH, _KNEE, _ANKLE = (np.s_[..., k::LEG_MOTORS] for k in (2, 3, 4))  # pitch is last of the hip
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Positions and their first and second derivatives (..., 10) [rad, m]."""
@@ -181,7 +179,8 @@ def with_upper_feet(joints: np.ndarray) -> np.ndarray:
     return full
 
 
-def reflected(joints: np.ndarray) -> np.ndarray:
+def reflected(joints: np.ndarray, geometry: Geometry) -> np.ndarray:
     """Values (..., 10) of the knee legs in the sagittal mirror: swapped, yaw and roll flipped."""
-    first, second = joints[..., :_LEG], joints[..., _LEG:]
-    return np.concatenate([_MIRROR * second, _MIRROR * first], axis=-1)
+    signs = np.array(mirror_sign(geometry))[:LEG_MOTORS]
+    first, second = joints[..., :LEG_MOTORS], joints[..., LEG_MOTORS:]
+    return np.concatenate([signs * second, signs * first], axis=-1)

@@ -18,6 +18,7 @@ from typing import Literal
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
 from slider.config.robot import Geometry, Link, RobotConfig
 from slider.robot import names
@@ -26,6 +27,7 @@ from slider.robot.transmission import Transmission, by_motor
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
+_LEFTWARD, _UP = np.eye(3)[1:]
 DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
 _SITE, _GEOM = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
 _KIND = mujoco.mjtSensor
@@ -55,15 +57,15 @@ class SimulationOptions:
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
     """Compile the model of a robot on flat ground."""
-    return compile_spec(build_spec(robot, options))
+    return compile_spec(build_spec(robot, options), robot)
 
 
-def compile_spec(spec: mujoco.MjSpec) -> mujoco.MjModel:
+def compile_spec(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjModel:
     """Compile a described robot and check the order of its joints."""
-    model = spec.compile()
+    model, expected = spec.compile(), names.joint_names(robot.geometry)
     order = tuple(model.joint(i).name for i in range(1, model.njnt))
-    if order != names.JOINTS:
-        raise RuntimeError(f"expected the joints {names.JOINTS}, found {order}")
+    if order != expected:
+        raise RuntimeError(f"expected the joints {expected}, found {order}")
     return model
 
 
@@ -91,7 +93,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
         pair = spec.add_pair(name=f"{first}_{second}", geomname1=first, geomname2=second, condim=3)
         pair.friction[:2] = robot.contact.friction
     _add_motors(spec, robot, options.actuation)
-    _add_sensors(spec)
+    _add_sensors(spec, robot.geometry)
     if options.instruments:
         _add_instruments(spec, robot.geometry)
     return spec
@@ -123,40 +125,41 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
 
 def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -> None:
     geometry, links, capsule = robot.geometry, robot.links, mujoco.mjtGeom.mjGEOM_CAPSULE
-    axes = geometry.axes
-    yaw, roll, pitch = (
-        [x, sign * y + 0.0, z] for x, y, z in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
-    )
-    yaw = _add_link(base, robot, side, "hip_yaw", links.yaw, yaw)
-    roll = _add_link(yaw, robot, side, "hip_roll", links.roll, roll)
+    hip, last = {}, base
+    bodies = {"hip_yaw": links.yaw, "hip_roll": links.roll, "hip_pitch": links.pitch}
+    for name, place, axis in geometry.axes.chain(sign):
+        last = hip[name] = _add_link(last, robot, side, name, bodies[name], place, axis)
     _add_geom(
-        roll,
+        hip["hip_roll"],
         f"{side}_hip",
         mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
     )
-    pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch, pitch)
     x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    knee, ankle = [x, sign * y, z], [-x + 0.0, -sign * y + 0.0, -geometry.leg_length - z]
-    tube = _add_link(pitch, robot, side, "slide", links.tube, knee)
+    ankle = [-x + 0.0, -sign * y + 0.0, -geometry.leg_length - z]
+    pitch = -geometry.axes.below_pitch * [1.0, sign, 1.0] + 0.0  # the pitch axis in the last link
+    knee, axis = pitch + [x, sign * y, z], _LEFTWARD
+    if geometry.knee is None:
+        axis = -_UP  # grows as the leg gets longer
+    tube = _add_link(last, robot, side, "slide", links.tube, knee, axis)
     # The collision tube ends above the ankle, so that the foot alone touches the ground.
     rod = {"size": [geometry.tube_radius, 0, 0], "rgba": [0.12, 0.12, 0.13, 1]}
     top, end = [0.0, 0.0, geometry.upper_foot_height], [*ankle[:2], ankle[2] + 0.05]
     if geometry.knee is not None:
         top = [0.0, 0.0, 0.0]
-        thigh = _add_geom(pitch, f"{side}_thigh", capsule, fromto=[*top, *knee], **rod)
+        thigh = _add_geom(last, f"{side}_thigh", capsule, fromto=[*pitch, *knee], **rod)
         thigh.conaffinity = 0  # for films
     _add_geom(tube, names.tube(side), capsule, fromto=[*top, *end], **rod)
-    foot = _add_link(tube, robot, side, "ankle", links.foot, ankle)
+    foot = _add_link(tube, robot, side, "ankle", links.foot, ankle, _LEFTWARD)
     height = geometry.ankle_height - geometry.foot_radius
     line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
     line.friction = [robot.contact.friction, 0.005, 0.0001]
     line.priority = 1  # the foot's friction counts, not the floor's
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
-    # After the foot: MuJoCo numbers joints in this order, that of names.JOINTS.
+    # After the foot: MuJoCo numbers joints in this order, that of joint_names.
     place = [0, 0, geometry.upper_foot_height]
-    upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place)
+    upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place, _LEFTWARD)
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
     if geometry.knee is not None:
         line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
@@ -172,34 +175,26 @@ def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
     }
 
 
-_AXES = {
-    "hip_yaw": [0, 0, 1],
-    "hip_roll": [1, 0, 0],
-    "hip_pitch": [0, 1, 0],
-    "slide": [0, 0, -1],  # grows as the leg gets longer
-    "ankle": [0, 1, 0],
-    "upper_foot": [0, 1, 0],
-}
-
-
 def _add_link(
     parent: mujoco.MjsBody,
     robot: RobotConfig,
     side: str,
     joint: str,
     link: Link,
-    pos: list[float] | None = None,
+    place: ArrayLike,
+    axis: ArrayLike,
 ) -> mujoco.MjsBody:
     config, drive = robot.joints[joint], robot.drives.get(joint)
     body_name = names.foot(side) if joint == "ankle" else f"{side}_{joint}"
-    body = parent.add_body(name=body_name, pos=pos or [0, 0, 0])
+    body = parent.add_body(name=body_name, pos=np.asarray(place))
     slide = joint == "slide" and robot.geometry.knee is None
+    index = names.joint_names(robot.geometry).index(f"{side}_{joint}")
     body.add_joint(
         name=f"{side}_{joint}",
         type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
-        axis=_AXES["ankle" if joint == "slide" and not slide else joint],
+        axis=np.asarray(axis),
         limited=mujoco.mjtLimited.mjLIMITED_TRUE,
-        range=[config.lower, config.upper],
+        range=robot.joint_ranges[:, index],
         armature=config.armature + (0.0 if drive is None else drive.inertia),
         damping=np.array([config.damping]),
     )
@@ -227,15 +222,15 @@ def _add_geom(body: mujoco.MjsBody, name: str, kind: mujoco.mjtGeom, **shape) ->
 def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
     inputs, motors = mujoco.mjtCtrlInput, Transmission.of(robot)
     gains = by_motor(robot, robot.gains) * len(names.SIDES)
-    torque = actuation == "torque"
-    for index, name in enumerate(names.MOTORS):
+    torque, joint_names = actuation == "torque", names.joint_names(robot.geometry)
+    for index, name in enumerate(names.motor_names(robot.geometry)):
         joints = np.flatnonzero(motors.matrix[index])
-        kind, target = mujoco.mjtTrn.mjTRN_JOINT, names.JOINTS[joints[0]]
+        kind, target = mujoco.mjtTrn.mjTRN_JOINT, joint_names[joints[0]]
         if len(joints) > 1:
             kind, target = mujoco.mjtTrn.mjTRN_TENDON, name
             tendon = spec.add_tendon(name=name, armature=motors.inertia[index])
             for joint in joints:
-                tendon.wrap_joint(names.JOINTS[joint], motors.matrix[index, joint])
+                tendon.wrap_joint(joint_names[joint], motors.matrix[index, joint])
         actuator = spec.add_actuator(name=name, trntype=kind, target=target)
         kp, kd = (0.0, 0.0) if torque else (gains[index].kp, gains[index].kd)
         actuator.set_to_dcmotor(
@@ -248,11 +243,11 @@ def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -
         )
 
 
-def _add_sensors(spec: mujoco.MjSpec) -> None:
+def _add_sensors(spec: mujoco.MjSpec, geometry: Geometry) -> None:
     """Add sensors for controllers and rewards: base, motors, soles, forces on the feet."""
     _add_sensor(spec, "base_linear_velocity", _KIND.mjSENS_VELOCIMETER, names.IMU)
     _add_sensor(spec, "base_angular_velocity", _KIND.mjSENS_GYRO, names.IMU)
-    for motor in names.MOTORS:
+    for motor in names.motor_names(geometry):
         actuator = mujoco.mjtObj.mjOBJ_ACTUATOR
         _add_sensor(spec, f"{motor}_torque", _KIND.mjSENS_ACTUATORFRC, motor, objtype=actuator)
     for side in names.SIDES:

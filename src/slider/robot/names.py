@@ -1,31 +1,50 @@
-"""Names of joints, bodies, sites and sensors, and gravity: defined once, used everywhere.
+"""Names of joints, motors, bodies, sites and channels, and gravity: defined once, used everywhere.
 
-Joint order: left leg, then right leg, each from hip to foot. x forward, y left, z up.
+Joint order: left leg, then right leg, each from hip to foot; ``robot.geometry.axes.order`` is that
+of the hip. x forward, y left, z up.
 """
 
 from collections.abc import Iterable
 
-from slider.config.robot import LEG_JOINTS
+from slider.config.robot import TILTS, Geometry
 
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")
-JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in LEG_JOINTS)
-NUM_JOINTS = len(JOINTS)
-PASSIVE_LEG_JOINTS = ("upper_foot",)
-ACTUATED = tuple(i for i, name in enumerate(JOINTS) if not name.endswith(PASSIVE_LEG_JOINTS))
+LEG_SIZE = 6  # joints of a leg: three of the hip, slide or knee, ankle, upper foot
+EXTENSION, ANKLE, UPPER_FOOT = 3, 4, 5  # places among them
+NUM_JOINTS = LEG_SIZE * len(SIDES)
+ACTUATED = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE != UPPER_FOOT)
+PASSIVE = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE == UPPER_FOOT)
+LEG_MOTORS = 5  # one per hip joint; two for slide and ankle, one each or both by a capstan
+NUM_MOTORS = LEG_MOTORS * len(SIDES)
+NUM_CHANNELS = 2 * NUM_JOINTS + 2
+MIRROR_PERMUTATION = tuple((i + LEG_SIZE) % NUM_JOINTS for i in range(NUM_JOINTS))
 
-# Motors: one per hip joint; two for slide and ankle, one each or both by a capstan.
-LEG_MOTORS = ("hip_yaw", "hip_roll", "hip_pitch", "leg_1", "leg_2")
-MOTORS = tuple(f"{side}_{motor}" for side in SIDES for motor in LEG_MOTORS)
 
-# The virtual-knee model has a revolute knee in place of the slide and no upper foot.
-KNEE_LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle")
-KNEE_JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in KNEE_LEG_JOINTS)
+def joint_names(geometry: Geometry) -> tuple[str, ...]:
+    """Names of all joints (12)."""
+    return _both(geometry.leg_joints)
 
-# Reflection at the sagittal plane: swap the legs, then flip yaw and roll.
-MIRROR_PERMUTATION = tuple((i + len(LEG_JOINTS)) % NUM_JOINTS for i in range(NUM_JOINTS))
-LEG_MIRROR_SIGN = (-1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
-MIRROR_SIGN = LEG_MIRROR_SIGN * len(SIDES)
+
+def motor_names(geometry: Geometry) -> tuple[str, ...]:
+    """Names of all motors (10)."""
+    return _both((*geometry.axes.order, "leg_1", "leg_2"))
+
+
+def knee_joint_names(geometry: Geometry) -> tuple[str, ...]:
+    """Names of the joints of gaits (10): a knee in place of the slide, no upper foot."""
+    return _both((*geometry.axes.order, "knee", "ankle"))
+
+
+def _both(leg: Iterable[str]) -> tuple[str, ...]:
+    names = tuple(leg)
+    return tuple(f"{side}_{name}" for side in SIDES for name in names)
+
+
+def mirror_sign(geometry: Geometry) -> tuple[float, ...]:
+    """Signs (12) of the reflection at the sagittal plane, which swaps the legs: of yaw and roll."""
+    return tuple(-1.0 if name in TILTS else 1.0 for name in geometry.leg_joints) * len(SIDES)
+
 
 # What a robot is commanded to: velocity of the base in its heading frame [m/s], yaw rate [rad/s].
 VELOCITY = ("vx", "vy", "yaw_rate")
@@ -46,11 +65,6 @@ def velocity_text(velocity: Iterable[float]) -> str:
 def other_side(side: str) -> str:
     """``right`` of ``left``, and back."""
     return SIDES[1 - SIDES.index(side)]
-
-
-def leg_joint(joint: str) -> str:
-    """Name within the leg of a joint, such as ``hip_yaw`` of ``left_hip_yaw``."""
-    return joint.split("_", 1)[1]
 
 
 def foot(side: str) -> str:
@@ -85,24 +99,16 @@ LEG_PAIRS = tuple(
 )
 BASE_PAIRS = tuple((tube(side), BASE) for side in SIDES)
 
-# Channels of a gait sample and of the observation's part that the guide compares (26).
-CHANNELS = (
-    *(f"{name}.position" for name in JOINTS),
-    *(f"{name}.velocity" for name in JOINTS),
-    "base.vx",
-    "base.vy",
-)
-NUM_CHANNELS = len(CHANNELS)
-CHANNEL_UNITS = (
-    *("m" if name.endswith("slide") else "rad" for name in JOINTS),
-    *("m/s" if name.endswith("slide") else "rad/s" for name in JOINTS),
-    "m/s",
-    "m/s",
-)
-"""Of legs that slide."""
+
+def channels(geometry: Geometry) -> tuple[str, ...]:
+    """Names of the channels of a gait sample (26), which the guide compares with observations."""
+    joints = joint_names(geometry)
+    positions, velocities = ([f"{name}.{x}" for name in joints] for x in ("position", "velocity"))
+    return (*positions, *velocities, "base.vx", "base.vy")
 
 
-def channel_units(has_knee: bool) -> tuple[str, ...]:
-    """Units of ``CHANNELS``; a knee has the place of the slide."""
-    turning = ("rad",) * NUM_JOINTS + ("rad/s",) * NUM_JOINTS
-    return turning + CHANNEL_UNITS[len(turning) :] if has_knee else CHANNEL_UNITS
+def channel_units(geometry: Geometry) -> tuple[str, ...]:
+    """Units of ``channels``; a knee has the place of the slide."""
+    slide = "rad" if geometry.knee else "m"
+    units = [slide if name == "slide" else "rad" for name in geometry.leg_joints] * len(SIDES)
+    return (*units, *(f"{unit}/s" for unit in units), "m/s", "m/s")

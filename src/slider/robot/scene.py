@@ -3,6 +3,7 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import mujoco
@@ -121,13 +122,14 @@ def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
 
 def _complete_leg(spec: mujoco.MjSpec, geometry: Geometry, side: str, lateral: float) -> None:
     """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
-    (x, y, z), axes = geometry.knee or (0.0, 0.0, 0.0), geometry.axes
+    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
     end = [-x, -lateral * y, -geometry.leg_length - z]
     height = geometry.foot_radius - geometry.ankle_height
     lines = [(f"{side}_slide", geometry.tube_radius, [*end[:2], end[2] + 0.05, *end])]
-    for above, (x, y, z) in (("hip_yaw", axes.hip_roll), ("hip_roll", axes.hip_pitch)):
-        if any((x, y, z)):
-            lines.append((f"{side}_{above}", 0.02, [0, 0, 0, x, lateral * y, z]))
+    hip = geometry.axes.chain(lateral)
+    for (above, _, _), (_, place, _) in pairwise(hip):
+        if place.any():
+            lines.append((f"{side}_{above}", 0.02, [0, 0, 0, *place]))
     lines.append((names.foot(side), 0.011, [0, 0, 0, 0, 0, height]))
     for body, radius, line in lines:
         spec.body(body).add_geom(

@@ -17,16 +17,15 @@ import numpy as np
 
 from slider.config.robot import Capstan, Mechanism
 from slider.core.arrays import Array, namespace
-from slider.robot.names import ACTUATED, LEG_JOINTS, LEG_MOTORS, NUM_JOINTS, SIDES
+from slider.robot.names import ACTUATED, LEG_MOTORS, NUM_JOINTS, SIDES
 
 _DRIVEN = np.array(ACTUATED)
-_LEG = len(LEG_MOTORS)
 T = TypeVar("T")
 
 
 def leg_matrix(capstan: Capstan | None) -> np.ndarray:
-    """Motor angles per joint position (5, 5): hip yaw, roll, pitch, slide, ankle in columns."""
-    matrix = np.eye(_LEG)
+    """Motor angles per joint position (5, 5): three of the hip, slide, ankle in columns."""
+    matrix = np.eye(LEG_MOTORS)
     if capstan is None:
         return matrix
     slide, foot = 1.0 / capstan.drum_radius, 1.0 / capstan.foot_ratio
@@ -35,7 +34,7 @@ def leg_matrix(capstan: Capstan | None) -> np.ndarray:
 
 
 def by_motor(robot: Mechanism, table: Mapping[str, T]) -> list[T]:
-    """Entries of the drives of a leg for its five motors, in the order of ``LEG_MOTORS``."""
+    """Entries of the drives of a leg for its five motors, from the hip down."""
     return [table[name] for name in robot.leg_motors]
 
 
@@ -43,13 +42,15 @@ def leg_inertia(robot: Mechanism) -> np.ndarray:
     """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
     matrix = leg_matrix(robot.capstan)
     rotors = np.array([drive.inertia for drive in by_motor(robot, robot.drives)])
-    armatures = np.array([robot.joints[name].armature for name in LEG_JOINTS[:_LEG]])
+    armatures = np.array(
+        [robot.joints[name].armature for name in robot.geometry.leg_joints[:LEG_MOTORS]]
+    )
     return matrix.T @ (rotors[:, None] * matrix) + np.diag(armatures)
 
 
 @dataclass(frozen=True)
 class Transmission:
-    """The ten motors of the robot in the order of ``MOTORS``.
+    """The ten motors of the robot in the order of ``motor_names``.
 
     Attributes:
         matrix: motor angles per joint position (10, 12).

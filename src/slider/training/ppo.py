@@ -22,7 +22,7 @@ from slider.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.env.observations import reflected
 from slider.env.vec_env import WalkingEnv
-from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
+from slider.robot.names import MIRROR_PERMUTATION
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
@@ -180,10 +180,12 @@ def with_reflections(
     env: WalkingEnv, obs: TensorDict | None, actions: torch.Tensor | None
 ) -> tuple[TensorDict | None, torch.Tensor | None]:
     """Observations (B, size) and actions (B, 12), each followed by its reflection (2 B, ·)."""
+    agent = env.agent
     if obs is not None:
-        observer, mirror = env.agent.observer, obs.clone()
+        observer, mirror = agent.observer, obs.clone()
         mirror["policy"] = reflected(obs["policy"], observer.permutation, observer.sign)
         obs = TensorDict.cat([obs, mirror])
     if actions is not None:
-        actions = torch.cat([actions, reflected(actions, list(MIRROR_PERMUTATION), MIRROR_SIGN)])
+        mirrored = reflected(actions, list(MIRROR_PERMUTATION), agent.mirror_sign)
+        actions = torch.cat([actions, mirrored])
     return obs, actions

@@ -11,7 +11,7 @@ import numpy as np
 from slider.config.gait import Posture
 from slider.config.robot import Mechanism
 from slider.robot.knee_map import prismatic_motion, with_upper_feet
-from slider.robot.names import JOINTS, leg_joint, other_side
+from slider.robot.names import other_side
 from slider.robot.transmission import Transmission
 from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant, pressure_share
@@ -64,8 +64,7 @@ def between_nodes(
     points: int,
 ) -> dict[str, float]:
     """Worst values over both steps; see ``slider.verification.quantities``."""
-    motors, ranges = Transmission.of(robot), [robot.joints[leg_joint(name)] for name in JOINTS]
-    lower, upper = (np.array([getattr(x, end) for x in ranges]) for end in ("lower", "upper"))
+    motors, (lower, upper) = Transmission.of(robot), robot.joint_ranges
     steps = []
     for motion in gait.steps:
         step = resample(motion, pinocchio, points)

@@ -16,12 +16,14 @@ import pinocchio as pin
 
 from slider.config.robot import Link, Mechanism
 from slider.robot.knee_map import KneeLengths, Motion, prismatic_motion, rates
-from slider.robot.names import KNEE_JOINTS, LEG_JOINTS, SIDES
+from slider.robot.names import LEG_MOTORS, SIDES
 from slider.verification.stored import StepMotion
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-_BASE = 6
-_UP = np.array([0.0, 0.0, 1.0])
+_BASE, _TURNS = 6, pin.JointModelRevoluteUnaligned
+_LEFT, _UP = np.eye(3)[1:]
+_LEGS = np.array([0, LEG_MOTORS])  # first joint of each
+_PITCH, _KNEE, _ANKLE = 2, 3, 4  # of a leg with a virtual knee
 
 
 @dataclass(frozen=True)
@@ -51,9 +53,12 @@ class PinRobot:
         self.model.appendBodyToJoint(root, _inertia_of(robot.links.base), pin.SE3.Identity())
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
             parent = root
-            for name, joint in zip(LEG_JOINTS, leg, strict=False):
+            for name, joint in zip(geometry.leg_joints, leg, strict=False):
                 place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
-                parent = self.model.addJoint(parent, joint.kind, place, f"{side}_{name}")
+                # In the mirror yaw and roll turn the other way about an axis whose y flips.
+                turns_back = name in ("hip_yaw", "hip_roll")
+                axis = joint.axis * [1.0, sign, 1.0] if turns_back else joint.axis
+                parent = self.model.addJoint(parent, joint.kind(axis), place, f"{side}_{name}")
                 body = joint.body
                 if side != SIDES[0]:
                     body = pin.Inertia(body.mass, turn @ body.lever, turn @ body.inertia @ turn)
@@ -178,26 +183,20 @@ class PinRobot:
 def slide_jacobian(q: np.ndarray, lengths: KneeLengths) -> np.ndarray:
     """Derivatives (10, 10) of the prismatic legs' joints by the knee legs' at q (10,): eq. 1."""
     matrix = np.eye(len(q))
-    hip, ankle, slide = rates(q[_KNEES], lengths.thigh, lengths.shank)
-    for joint, slope in (("hip_pitch", -hip), ("knee", slide), ("ankle", -ankle)):
-        matrix[_places(joint), _KNEES] = slope
+    hip, ankle, slide = rates(q[_LEGS + _KNEE], lengths.thigh, lengths.shank)
+    for place, slope in ((_PITCH, -hip), (_KNEE, slide), (_ANKLE, -ankle)):
+        matrix[_LEGS + place, _LEGS + _KNEE] = slope
     return matrix
 
 
-def _places(joint: str) -> np.ndarray:
-    return np.array([KNEE_JOINTS.index(f"{side}_{joint}") for side in SIDES])
-
-
-_KNEES = _places("knee")
-
-
 class _LegJoint(NamedTuple):
-    """A joint, its place in the frame above (3,), of a left leg [m], and the body below it.
+    """A joint, its axis and place in the frame above (3,), left [m], and the body below it.
 
     ``rotor`` and ``damping`` [kg m², kg], [N m s/rad] act about or along the joint.
     """
 
-    kind: pin.JointModel
+    kind: type[pin.JointModel]
+    axis: np.ndarray
     place: np.ndarray
     body: pin.Inertia
     rotor: float = 0.0
@@ -233,36 +232,49 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
         pair = 2.0 * robot.drives["capstan"].inertia
         rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
     upper = _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
-    extension, axes = pin.JointModelPrismaticUnaligned(-_UP), geometry.axes
+    kind, axis = pin.JointModelPrismaticUnaligned, -_UP
     knee, ankle = np.zeros(3), -geometry.leg_length * _UP
     if geometry.knee is not None:
-        extension, knee = pin.JointModelRY(), np.array(geometry.knee)
+        kind, axis, knee = _TURNS, _LEFT, np.array(geometry.knee)
+    order, below = geometry.axes.order, np.zeros(3)  # from the pitch axis to the last of the hip
+    for name in order[order.index("hip_pitch") + 1 :]:
+        below = below + getattr(geometry.axes, name)
+    hip = _hip(robot)
     chain = {
-        "hip_yaw": (pin.JointModelRZ(), np.array(axes.hip_yaw), _inertia_of(links.yaw)),
-        "hip_roll": (pin.JointModelRX(), np.array(axes.hip_roll), _inertia_of(links.roll)),
-        "hip_pitch": (pin.JointModelRY(), np.array(axes.hip_pitch), _inertia_of(links.pitch)),
-        "slide": (extension, knee, _inertia_of(links.tube) + upper),
-        "ankle": (pin.JointModelRY(), ankle - knee, _inertia_of(links.foot)),
+        **{name: hip[name] for name in order},
+        "slide": _LegJoint(kind, axis, knee - below, _inertia_of(links.tube) + upper),
+        "ankle": _LegJoint(_TURNS, _LEFT, ankle - knee, _inertia_of(links.foot)),
     }
     return [
-        _LegJoint(kind, place, body, rotors[name] + joint.armature, joint.damping)
-        for name, (kind, place, body) in chain.items()
-        for joint in (robot.joints[name],)
+        joint._replace(rotor=rotors[name] + own.armature, damping=own.damping)
+        for name, joint in chain.items()
+        for own in (robot.joints[name],)
     ]
+
+
+def _hip(robot: Mechanism) -> dict[str, _LegJoint]:
+    axes, links = robot.geometry.axes, robot.links
+    parts = {
+        "hip_yaw": (axes.yaw_direction, links.yaw),
+        "hip_roll": (axes.roll_direction, links.roll),
+        "hip_pitch": (_LEFT, links.pitch),
+    }
+    return {
+        name: _LegJoint(_TURNS, np.array(axis), np.array(getattr(axes, name)), _inertia_of(link))
+        for name, (axis, link) in parts.items()
+    }
 
 
 def _knee_leg(robot: Mechanism) -> list[_LegJoint]:
     """Hip, virtual knee and ankle, without rotors and friction."""
-    links, knee, axes = robot.links, robot.sliding_leg, robot.geometry.axes
+    links, knee, hip = robot.links, robot.sliding_leg, _hip(robot)
     shank_part = _inertia_of(links.tube, knee.shank_mass_fraction)
     shank_part.lever = -knee.shank_length / 2 * _UP
-    bend = pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))
+    hip["hip_pitch"] = hip["hip_pitch"]._replace(body=_thigh(robot))
     return [
-        _LegJoint(pin.JointModelRZ(), np.array(axes.hip_yaw), _inertia_of(links.yaw)),
-        _LegJoint(pin.JointModelRX(), np.array(axes.hip_roll), _inertia_of(links.roll)),
-        _LegJoint(pin.JointModelRY(), np.array(axes.hip_pitch), _thigh(robot)),
-        _LegJoint(bend, -knee.thigh_length * _UP, shank_part),
-        _LegJoint(pin.JointModelRY(), -knee.shank_length * _UP, _inertia_of(links.foot)),
+        *(hip[name] for name in robot.geometry.axes.order),
+        _LegJoint(_TURNS, -_LEFT, -knee.thigh_length * _UP, shank_part),
+        _LegJoint(_TURNS, _LEFT, -knee.shank_length * _UP, _inertia_of(links.foot)),
     ]
 
 

@@ -25,7 +25,7 @@ from slider.verification.stored import StepMotion, StoredGait
 _BASE = 6
 _HELD = [0, 1, 2, 4, 5]  # of a sole that lands: it may roll about its line
 _FAR = 10.0  # beyond it a distance does not count [m]
-_UPPER = np.array([i for i, name in enumerate(names.JOINTS) if name.endswith("upper_foot")])
+_UPPER = np.array(names.PASSIVE)
 _DRIVEN = np.setdiff1d(np.arange(_BASE + names.NUM_JOINTS), _BASE + _UPPER)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from slider.config.gait import RegulatorConfig, ReplayConfig
 from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
-from slider.robot.kinematics import about_x, about_z
+from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
 from slider.verification.plant import Plant
@@ -27,9 +27,8 @@ from slider.verification.stored import StoredGait
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
 _ENDS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])  # of the fields of a reference
-_PRISMATIC = len(names.LEG_JOINTS)
-_HIP_ITERATIONS, _CLOSE = 200, 1e-13  # at most; [rad]
-_HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
+_ITERATIONS_MAX, _CLOSE, _DAMPING = 30, 1e-12, 1e-9  # of a leg's joints; [rad, m]
+_Joint = tuple[np.ndarray, np.ndarray, bool]
 
 
 class Reference(NamedTuple):
@@ -94,16 +93,18 @@ class Regulator:
         """
         fade = 1.0 - _smooth(phase / self.config.fade)
         targets = desired.joints + fade * past[0]
-        hips = names.SIDES.index(side) * _PRISMATIC + _HIP
+        leg = names.SIDES.index(side) * names.LEG_SIZE
+        hips = [leg + self.geometry.leg_joints.index(name) for name in ("hip_roll", "hip_pitch")]
         targets[hips] = measured.joints[hips] + (tilt_of(measured.base[1]) - desired.tilt)
         place = measured.stance + desired.swing + fade * past[1]
         place[:2] += _smooth(phase / self.config.placement_end) * self._displacement(
             measured, desired, left
         )
         other = names.other_side(side)
-        start = names.SIDES.index(other) * _PRISMATIC
-        targets[start : start + _PRISMATIC - 1] = level_leg(
-            self.geometry, other, measured.base, place, desired.direction
+        start = names.SIDES.index(other) * names.LEG_SIZE
+        driven = slice(start, start + names.UPPER_FOOT)
+        targets[driven] = level_leg(
+            self.geometry, other, measured.base, place, desired.direction, desired.joints[driven]
         )
         return targets
 
@@ -130,12 +131,12 @@ def level_leg(
     base: tuple[np.ndarray, np.ndarray],
     sole: np.ndarray,
     heading: np.ndarray,
+    start: np.ndarray,
 ) -> np.ndarray:
-    """Hip yaw, roll, pitch [rad], slide or knee [m | rad], ankle (5,) of a foot line on a heading.
+    """Hip, slide or knee, and ankle (5,) [rad, m] of a foot line on a heading; else near there.
 
-    The leg turns pitch and ankle about one axis; it is perpendicular to the foot line and to the
-    way from the sole to the pitch axis, so that yaw and roll follow from it in closed form where
-    the axes of the hip meet. Where they do not, yaw and roll move the pitch axis: iterated.
+    By the Levenberg-Marquardt method with the damping of Sugihara, "Solvability-unconcerned inverse
+    kinematics by the Levenberg-Marquardt method", IEEE Transactions on Robotics 2011.
 
     Args:
         geometry: of the robot.
@@ -143,44 +144,69 @@ def level_leg(
         base: position (3,) [m] and rotation to world (3, 3).
         sole: middle of the foot line (3,) [m].
         heading: unit vector (3,) along the foot line, towards the toe.
+        start: joints (5,) to begin with.
     """
-    position, rotation = base
-    mirror = np.array([1.0, 1.0 if side == names.SIDES[0] else -1.0, 1.0])
-    axes, yaw, roll = geometry.axes, 0.0, 0.0
-    fixed, moved, turned = (
-        mirror * place for place in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
-    )
-    for _ in range(_HIP_ITERATIONS):
-        before = np.array([yaw, roll])
-        by_yaw, by_roll = about_z(np.array([yaw]))[0], about_x(np.array([roll]))[0]
-        hip = position + rotation @ (fixed + by_yaw @ (moved + by_roll @ turned))
-        axis = _cross(hip - sole, heading)
-        axis /= np.linalg.norm(axis)
-        turn = rotation.T @ axis
-        roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
-        yaw = np.arctan2(-turn[0], turn[1])
-        if np.abs(before - [yaw, roll]).max() < _CLOSE or not (moved.any() or turned.any()):
+    lateral = 1.0 if side == names.SIDES[0] else -1.0
+    joints = _leg_chain(geometry, lateral)
+    across = np.linalg.svd(heading[None])[2][1:]  # (2, 3), perpendicular to the heading
+    q = start.copy()
+    for _ in range(_ITERATIONS_MAX):
+        place, rotation, jacobian = _foot(joints, base, q, geometry.ankle_height)
+        toe = rotation[:, 0]
+        turned = np.array([_cross(axis, toe) for axis in jacobian[3:].T]).T
+        rows = np.concatenate([jacobian[:3], across @ turned])
+        error = np.append(place - sole, across @ toe)
+        damped = rows.T @ rows + (error @ error + _DAMPING) * np.eye(len(q))
+        step = np.linalg.solve(damped, rows.T @ error)
+        q -= step
+        if np.abs(step).max() < _CLOSE:
             break
-    ankle = sole + geometry.ankle_height * _cross(heading, axis)
-    to_leg = about_x(np.array([roll]))[0].T @ about_z(np.array([yaw]))[0].T @ rotation.T
-    reach, toe = to_leg @ (ankle - hip), to_leg @ heading
-    pitch = np.arctan2(-reach[0], -reach[2])
-    level = np.arctan2(-toe[2], toe[0])
-    if geometry.knee is not None:
-        knee, pitch = _bent(geometry, float(np.linalg.norm(reach)), pitch)
-        return np.array([yaw, roll, pitch, knee, level - pitch - knee])
-    slide = np.linalg.norm(reach) - geometry.leg_length
-    return np.array([yaw, roll, pitch, slide, level - pitch])
+    if geometry.knee is not None:  # at most straight
+        bent = np.sign(geometry.bend) * (q[names.EXTENSION] + geometry.bend)
+        q[names.EXTENSION] = np.sign(geometry.bend) * max(bent, 0.0) - geometry.bend
+    return q
 
 
-def _bent(geometry: Geometry, length: float, pitch: float) -> tuple[float, float]:
-    """Knee and hip pitch [rad] of a leg of a ``length`` [m] along a ``pitch``, by its triangle."""
-    x, _, z = geometry.knee or (0.0, 0.0, 0.0)
-    thigh, shank = np.hypot(x, z), np.hypot(x, geometry.leg_length + z)
-    cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
-    flexion = float(np.sign(x) * np.arccos(np.clip(cosine, -1.0, 1.0)))
-    ahead = np.arctan2(shank * np.sin(flexion), thigh + shank * np.cos(flexion))
-    return flexion - geometry.bend, float(pitch - ahead + np.arctan2(x, -z))
+def _leg_chain(geometry: Geometry, lateral: float) -> list[_Joint]:
+    """Place in the frame above and axis of each driven joint; whether it slides."""
+    reflection, hip = np.array([1.0, lateral, 1.0]), geometry.axes.chain(lateral)
+    knee = np.array(geometry.knee or (0.0, 0.0, 0.0))
+    ankle = np.array([0.0, 0.0, -geometry.leg_length]) - knee
+    slides, leftward = geometry.knee is None, np.array([0.0, 1.0, 0.0])
+    axis = np.array([0.0, 0.0, -1.0]) if slides else leftward
+    return [
+        *((place, axis, False) for _, place, axis in hip),
+        (reflection * (knee - geometry.axes.below_pitch), axis, slides),
+        (reflection * ankle, leftward, False),
+    ]
+
+
+def _foot(
+    joints: list[_Joint], base: tuple[np.ndarray, np.ndarray], q: np.ndarray, ankle_height: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sole (3,) [m], rotation to world (3, 3) and Jacobian (6, 5) of a leg's foot."""
+    (place, rotation), axes, places = base, [], []
+    for (offset, axis, slides), position in zip(joints, q, strict=True):
+        place = place + rotation @ offset
+        axes.append(rotation @ axis)
+        places.append(place)
+        if slides:
+            place = place + position * axes[-1]
+        else:
+            rotation = _turned(axis, position, rotation)
+    sole = place - ankle_height * rotation[:, 2]
+    jacobian = np.zeros((6, len(q)))
+    for column, ((_, _, slides), axis, joint) in enumerate(zip(joints, axes, places, strict=True)):
+        jacobian[:3, column] = axis if slides else _cross(axis, sole - joint)
+        jacobian[3:, column] = 0.0 if slides else axis
+    return sole, rotation, jacobian
+
+
+def _turned(axis: np.ndarray, angle: float, rotation: np.ndarray) -> np.ndarray:
+    """A rotation (3, 3) to world, followed by a turn about an axis of its own frame."""
+    cross = np.cross(np.eye(3), axis)
+    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return rotation @ turn
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

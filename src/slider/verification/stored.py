@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import BPoly
 
+from slider.config.robot import Geometry
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import reflected
 from slider.robot.names import SIDES
@@ -15,6 +16,7 @@ from slider.robot.names import SIDES
 class StoredGait:
     """One gait of the library; shapes, units and frames: ``docs/reference/gait-library.md``."""
 
+    geometry: Geometry
     velocities: np.ndarray
     samples: np.ndarray
     time: np.ndarray
@@ -65,7 +67,7 @@ class StoredGait:
             SIDES, map(float, self.step_time), self.coefficients, self.roll, strict=True
         ):
             if side == SIDES[1]:  # stored reflected: stance leg first
-                legs, roll = reflected(legs.T).T, -roll
+                legs, roll = reflected(legs.T, self.geometry).T, -roll
             joints = BPoly(legs.T[:, None, :], [0.0, time])
             bend = BPoly.from_derivatives(np.linspace(0.0, time, self.half), roll)
             orders = ((x, x.derivative(), x.derivative(2)) for x in (joints, bend))
@@ -101,8 +103,9 @@ class StepMotion:
 
 def gaits_of(library: GaitLibrary) -> list[StoredGait]:
     """All gaits of a library, in its order."""
-    arrays = {item.name: library.arrays[item.name] for item in fields(StoredGait)}
+    names = [item.name for item in fields(StoredGait) if item.name != "geometry"]
+    arrays, geometry = {name: library.arrays[name] for name in names}, library.robot.geometry
     return [
-        StoredGait(**{name: values[i] for name, values in arrays.items()})
+        StoredGait(geometry, **{name: values[i] for name, values in arrays.items()})
         for i in range(len(library))
     ]

@@ -37,7 +37,8 @@ def change(ground, phase: float, heading: float = 0.0):
     """Of the coordinates, with derivatives."""
     memory = Memory.on_both_feet(np.zeros((COUNT, 3)), np.full(COUNT, heading))
     memory.ground = ground
-    return uneven(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), np.array([0.0, 1.0, 0.0]))
+    sagittal, stretch = np.array([2, 3, 4]), np.array([0.0, 1.0, 0.0])
+    return uneven(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), sagittal, stretch)
 
 
 @pytest.mark.parametrize(("phase", "legs"), [(0, [0, 0]), (0.5, [0.01, -0.01]), (1, [0.02, -0.02])])

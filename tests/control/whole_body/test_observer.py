@@ -15,7 +15,7 @@ from slider.env.starts import at_rest
 from slider.env.state import RobotState
 from slider.robot import names
 from tests.control.walking import walk
-from tests.env.synthetic import config, make_arrays, robot_config
+from tests.env.synthetic import JOINTS, config, make_arrays, robot_config
 
 COUNT, TICKS = 4, 40
 DELAY = 0.02  # [s]
@@ -63,7 +63,7 @@ def test_is_less_noisy_than_the_sensors():
     """Not for the light feet, which the random torques throw about on the ground."""
     sensing = config("evaluation=robust").evaluation.disturbance.sensing
     true, measured, estimated = run(disturbance(sensing=sensing), ObserverConfig(0.0, 0.3, 0.2))
-    legs = [i for i, name in enumerate(names.JOINTS) if not name.endswith("ankle")]
+    legs = [i for i, name in enumerate(JOINTS) if not name.endswith("ankle")]
     columns = [*range(6), *(6 + i for i in legs)]
 
     def error(states: list[RobotState]) -> float:

@@ -13,7 +13,6 @@ from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapp
 from slider.gait.outputs import (
     ANKLE,
     JOINTS,
-    LEG,
     NUM_COORDINATES,
     STANCE,
     SWING,
@@ -25,10 +24,7 @@ from slider.hzd.constraints import Orders, smooth_step
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import ACTUATED
 
-STRETCH = slice(2, 5)  # hip pitch, slide or knee, and ankle in a leg
 _DRIVEN = np.array(ACTUATED)
-_ROWS = np.zeros((2, NUM_COORDINATES, NUM_DOFS))  # in left and right stance: of the driven joints
-_ROWS[:, JOINTS:, 6:] = stance_selection(np.array([False, True]))
 
 
 @dataclass(frozen=True)
@@ -51,18 +47,26 @@ def side_of(stance: np.ndarray) -> np.ndarray:
 
 
 def motion(
-    dynamics: Dynamics, stance: np.ndarray, heading: np.ndarray, yaw_rate: np.ndarray
+    dynamics: Dynamics,
+    stance: np.ndarray,
+    heading: np.ndarray,
+    yaw_rate: np.ndarray,
+    signs: np.ndarray,
 ) -> Motion:
-    """Coordinates; yaw counts from ``heading`` (n,) [rad], which turns with ``yaw_rate`` (n,)."""
+    """Coordinates; yaw counts from ``heading`` (n,) [rad], which turns with ``yaw_rate`` (n,).
+
+    ``signs`` (10,) are those of the reflection of the driven joints.
+    """
     rows, right, side = np.arange(len(stance)), stance == RIGHT, side_of(stance)
     rotation = dynamics.foot_rotations[rows, stance]
     angular = dynamics.foot_jacobians[rows, stance, 3:]
     axes = np.stack([rotation[:, :, 0], pitch_and_yaw(rotation)[:, 1]], axis=1)
-    jacobian = _ROWS[right.astype(int)]
+    jacobian = np.zeros((len(stance), NUM_COORDINATES, NUM_DOFS))
+    jacobian[:, JOINTS:, 6:] = stance_selection(right, signs)
     np.multiply(side[:, None, None], axes @ angular, out=jacobian[:, :JOINTS])
     roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
     yaw = side * wrapped(yaw_of(rotation) - heading)
-    joints = stance_first(dynamics.joints[:, _DRIVEN], right)
+    joints = stance_first(dynamics.joints[:, _DRIVEN], right, signs)
     rate = point_velocity(jacobian, dynamics.qvel)
     rate[:, YAW] -= side * yaw_rate
     return Motion(np.concatenate([roll[:, None], yaw[:, None], joints], axis=1), rate, jacobian)
@@ -91,6 +95,7 @@ def uneven(
     robots: np.ndarray,
     footholds: np.ndarray,
     phase: np.ndarray,
+    sagittal: np.ndarray,
     stretch: np.ndarray,
 ) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
@@ -107,7 +112,8 @@ def uneven(
         robots: indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
         phase: (n,).
-        stretch: of hip pitch, slide or knee, and ankle per length of the leg (3,).
+        sagittal: places of hip pitch, slide or knee, and ankle among the joints of a leg (3,).
+        stretch: of these per length of the leg (3,).
     """
     ground = memory.ground.of(robots)
     height, slope = ground.height(footholds, gaps=False), ground.gradient(footholds)
@@ -117,12 +123,12 @@ def uneven(
     rise, turn = following - last, after - before
     middle = last + rise * phase, rise, np.zeros_like(rise)
     orders = np.zeros((3, len(phase), NUM_COORDINATES))
-    stance, swing = (orders[:, :, leg + JOINTS :][..., STRETCH] for leg in (0, LEG))
+    stance, swing = STANCE + sagittal, SWING + sagittal
     for order, (lift, share) in enumerate(zip(middle, smooth_step(phase), strict=True)):
-        stance[order] = (lift / 2)[:, None] * stretch
-        swing[order] = (lift / 2 - rise * share)[:, None] * stretch
+        orders[order][:, stance] = (lift / 2)[:, None] * stretch
+        orders[order][:, swing] = (lift / 2 - rise * share)[:, None] * stretch
         orders[order, :, SWING + ANKLE] -= turn * share
-    swing[0] -= last[:, None] * stretch
+    orders[0][:, swing] -= last[:, None] * stretch
     orders[0, :, SWING + ANKLE] -= before
     orders[0, :, STANCE + ANKLE] -= under
     return orders[0], orders[1], orders[2]

@@ -7,7 +7,7 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
-from slider.control.hzd.motion import STRETCH, Motion, hip, motion, section, side_of, uneven
+from slider.control.hzd.motion import Motion, hip, motion, section, side_of, uneven
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
@@ -15,7 +15,7 @@ from slider.control.whole_body.references import ReferenceVelocity
 from slider.control.whole_body.tasks import Solved, Task
 from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
-from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
+from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
 from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
 from slider.robot.kinematics import stretching, turn_to_heading
 from slider.robot.knee_map import KneeLengths
@@ -68,9 +68,11 @@ class HzdSteps(Stepping):
         self._gaits = gaits
         self._lengths = KneeLengths.of(robot), robot.geometry.slide_length
         self._stretch = stretching(robot.geometry, np.zeros(()))
+        self._sagittal = np.array(robot.geometry.sagittal)
+        self._signs = driven_signs(robot.geometry)
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
-        self._matrix = output_matrix(gaits.constraints.outputs, robot.geometry.knee is not None)
+        self._matrix = output_matrix(gaits.constraints.outputs, robot.geometry)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
@@ -180,7 +182,7 @@ class HzdSteps(Stepping):
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
-        return uneven(memory, robots, footholds, walk.phase, self._stretch)
+        return uneven(memory, robots, footholds, walk.phase, self._sagittal, self._stretch)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
@@ -218,7 +220,7 @@ class HzdSteps(Stepping):
     ) -> Motion:
         """As if the ground were level, yaw of the line from where the gait's course has it."""
         stance, heading = memory.stance[robots], memory.heading[robots]
-        result = motion(dynamics, stance, heading, memory.yaw_rate(robots))
+        result = motion(dynamics, stance, heading, memory.yaw_rate(robots), self._signs)
         result.x[:, YAW] += walk.steps.turn * (walk.phase - 0.5)
         result.rate[:, YAW] += walk.steps.turn * walk.rate
         result.x[:] -= ground[0]
@@ -235,8 +237,8 @@ class HzdSteps(Stepping):
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.steps.duration * (late > 0)
-        value[:, SWING:][:, STRETCH] += (sinking * late)[:, None] * self._stretch
-        slope[:, SWING:][:, STRETCH] += sinking[:, None] * self._stretch
+        value[:, SWING + self._sagittal] += (sinking * late)[:, None] * self._stretch
+        slope[:, SWING + self._sagittal] += sinking[:, None] * self._stretch
         error, error_rate = value - now.x, slope * rate - now.rate
         desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))

@@ -12,11 +12,10 @@ from slider.library.measures import motor_torques
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.gaits import forward_gaits
 from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
-from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
+from slider.robot.names import ANKLE, EXTENSION, NUM_JOINTS, NUM_MOTORS
 from slider.robot.transmission import Transmission
 
-SLIDE, ANKLE = (JOINTS.index(f"left_{name}") for name in ("slide", "ankle"))
-_MOTORS = [MOTORS.index(f"left_leg_{number}") for number in (1, 2)]
+_MOTORS = [EXTENSION, ANKLE]  # of the left leg, as its joints
 _DOTS = "Dots: samples of the left leg's motors in the fastest gait straight ahead.\n"
 _SHARE = 0.5  # of the joints' ranges that the drawn motions take
 _GAP = 0.7  # from the leg's axis to a cable at its drum, as a share of the drum's radius
@@ -64,7 +63,7 @@ def caption(library: GaitLibrary) -> str:
 def angles_of(drive: Transmission, slide: np.ndarray, ankle: np.ndarray) -> np.ndarray:
     """Angles or speeds (..., 2) of the left leg's capstan motors, of slide and ankle (...)."""
     joints = np.zeros((*np.shape(slide), NUM_JOINTS))
-    joints[..., SLIDE], joints[..., ANKLE] = slide, ankle
+    joints[..., EXTENSION], joints[..., ANKLE] = slide, ankle
     return drive.angles(joints)[..., _MOTORS]
 
 
@@ -121,7 +120,7 @@ def _limits(
     """Torques that the motors can make over their speeds, and those of a gait."""
     one = next(iter(motors.values()))  # of several, which are equal
     speeds = np.linspace(-1.0, 1.0, 201) * drive.speed[one]
-    limits = drive.torque_limits(np.repeat(speeds[:, None], len(MOTORS), axis=1))
+    limits = drive.torque_limits(np.repeat(speeds[:, None], NUM_MOTORS, axis=1))
     low, high = (limit[:, one] for limit in limits)
     axes.fill_between(speeds, low, high, facecolor=EMPTY, edgecolor=DARK, linewidth=0.8)
     gait = int(forward_gaits(library, 2)[-1])

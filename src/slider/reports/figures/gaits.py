@@ -16,12 +16,12 @@ from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, LIGHT, MIDDLE, new_figure
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
 from slider.robot.names import (
-    JOINTS,
-    LEG_JOINTS,
+    EXTENSION,
     LEG_MOTORS,
-    MOTORS,
+    LEG_SIZE,
     NUM_JOINTS,
     SIDES,
+    motor_names,
     velocity_text,
 )
 from slider.robot.transmission import by_motor
@@ -36,7 +36,6 @@ says by how much they differ.
 
 _CYCLES = 9
 _PHASE = np.linspace(0.0, 1.0, 101)
-_SHOWN = LEG_JOINTS[:5]
 
 Pieces = list[tuple[np.ndarray, np.ndarray]]
 
@@ -52,15 +51,15 @@ def draw_cycles(library: GaitLibrary) -> Figure:
     for index in chosen:
         gait = blend(library, *library.velocities[index])
         colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
-        for axes, joint in zip(panels.flat, _SHOWN, strict=False):
-            _closed_curve(axes, _joint(gait, joint), colour)
+        for column, axes in enumerate(panels.flat[:LEG_MOTORS]):
+            _closed_curve(axes, _joint(gait, column), colour)
         # The second step is reflected, for the world's signs.
         roll = [
             (sign * roll[:, 0], sign * roll[:, 1])
             for roll, sign in zip(gait.roll, (1.0, -1.0), strict=True)
         ]
         _closed_curve(panels.flat[-1], roll, colour)
-    for axes, joint in zip(panels.flat, _SHOWN, strict=False):
+    for axes, joint in zip(panels.flat, library.robot.geometry.leg_joints, strict=True):
         unit = "m" if joint == "slide" and library.robot.geometry.knee is None else "rad"
         axes.set(title=joint.replace("_", " "), xlabel=f"[{unit}]", ylabel=f"[{unit}/s]")
     panels.flat[-1].set(title="roll of stance foot", xlabel="[rad]", ylabel="[rad/s]")
@@ -83,9 +82,8 @@ def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
     return ordered[np.unique(np.abs(vx[ordered] - wanted[:, None]).argmin(axis=1))]
 
 
-def _joint(gait: Gait, joint: str) -> Pieces:
+def _joint(gait: Gait, column: int) -> Pieces:
     """Position and velocity (N,) of a joint of the left leg in each step."""
-    column = JOINTS.index(f"left_{joint}")
     steps = [gait.joints(step, _PHASE) for step in range(2)]
     return [(position[:, column], velocity[:, column]) for position, velocity in steps]
 
@@ -189,19 +187,23 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     panels = plots.subplots(3, 5, sharex=True)
     samples, torques = library.arrays["samples"][gait], motor_torques(library, gait)
     slides = library.robot.geometry.knee is None
-    for axes, joint in zip(panels[0], _SHOWN, strict=True):
+    geometry, legs = library.robot.geometry, range(len(SIDES))
+    for column, axes in enumerate(panels[0]):
+        joint = geometry.leg_joints[column]
         title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' and slides else 'rad'}]"
-        columns = [JOINTS.index(f"{side}_{joint}") for side in SIDES]
+        columns = [leg * LEG_SIZE + column for leg in legs]
         _over_time(axes, library, gait, samples[:, columns], title)
     drives = by_motor(library.robot, library.robot.drives)
-    for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
+    names = motor_names(geometry)
+    for column, (axes, drive) in enumerate(zip(panels[1], drives, strict=True)):
+        motor = names[column].removeprefix(f"{SIDES[0]}_")
         title = f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]"
-        columns = [MOTORS.index(f"{side}_{motor}") for side in SIDES]
+        columns = [leg * LEG_MOTORS + column for leg in legs]
         _over_time(axes, library, gait, torques[:, columns], title)
     panels[0, 0].legend()
     stands = library.arrays["contact"][gait][:, :2] > 0
     force = library.arrays["ground_wrench"][gait][:, 2:3]
-    columns = [NUM_JOINTS + JOINTS.index(f"{side}_slide") for side in SIDES]
+    columns = [NUM_JOINTS + leg * LEG_SIZE + EXTENSION for leg in legs]
     ground = {
         "ground force z [N]": np.where(stands, force, np.nan),
         "foot height [cm]": 100 * foot_heights(library, gait),

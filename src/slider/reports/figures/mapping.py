@@ -12,7 +12,7 @@ from slider.config.robot import Geometry, Mechanism
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
 from slider.robot import knee_map
-from slider.robot.names import KNEE_JOINTS, SIDES
+from slider.robot.names import EXTENSION, LEG_MOTORS
 
 _TILT = -0.25  # hip pitch of the prismatic leg [rad]
 _NORMAL = -np.pi / 2  # from a leg's pitch to that of its forward normal
@@ -141,7 +141,6 @@ def _down(pitch: float) -> np.ndarray:
 _NO_MAP = "The gaits are in the leg's own coordinates, without a map."
 _START = 0.1  # knee flexion from which speed errors add up [rad]
 _STOP = 1.75
-_KNEES = [KNEE_JOINTS.index(f"{side}_knee") for side in SIDES]
 _POSTURES = 4
 _LOOKS = ((DARK, "-"), (MIDDLE, "--"))
 _PANELS = (  # title, unit, curves
@@ -189,7 +188,7 @@ def draw(library: GaitLibrary) -> Figure:
 
 def flexions(library: GaitLibrary) -> tuple[float, float]:
     """Least and greatest knee flexion [rad] of the gaits."""
-    used = library.arrays["knee_positions"][..., _KNEES]
+    used = library.arrays["knee_positions"][..., EXTENSION::LEG_MOTORS]
     return float(used.min()), float(used.max())
 
 

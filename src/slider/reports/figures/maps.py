@@ -15,7 +15,7 @@ from slider.library import measures
 from slider.library.measures import smoothness
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
-from slider.robot.names import CHANNELS, velocity_text
+from slider.robot.names import channels, velocity_text
 
 MAPS_CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
@@ -126,10 +126,11 @@ def draw_smoothness(library: GaitLibrary) -> Figure:
     figure = new_figure(4.9)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 2.4))
     draw_map(top, library, "greatest jump to a neighbouring gait", jumps, "% of range")
-    active = [i for i, name in enumerate(CHANNELS) if "upper_foot" not in name]
+    names = channels(library.robot.geometry)
+    active = [i for i, name in enumerate(names) if "upper_foot" not in name]
     by_channel = 100 * measured.jumps.max(axis=0, initial=0.0)[active]
     order = np.argsort(by_channel)
-    _bars(bottom, [CHANNELS[active[i]] for i in order], by_channel[order])
+    _bars(bottom, [names[active[i]] for i in order], by_channel[order])
     bottom.set(xlabel="greatest jump of the channel between neighbouring gaits [% of its range]")
     return figure
 
@@ -150,9 +151,10 @@ def smoothness_caption(library: GaitLibrary) -> str:
     if not len(measured.pairs):
         return text + "This library has no neighbouring gaits.\n"
     first, second, channel = measured.worst
+    name = channels(library.robot.geometry)[channel]
     places = [velocity_text(command) for command in library.velocities[[first, second]]]
     return text + (
-        f"The greatest is {100 * measured.largest:.1f} % of {CHANNELS[channel]}, between "
+        f"The greatest is {100 * measured.largest:.1f} % of {name}, between "
         f"{places[0]} and {places[1]}.\n"
     )
 

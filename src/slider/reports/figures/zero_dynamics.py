@@ -15,7 +15,7 @@ from slider.library.reader import GaitLibrary
 from slider.reports.figures.gaits import forward_gaits
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure
 from slider.robot.kinematics import foot_ends, leg_points
-from slider.robot.names import JOINTS, KNEE_JOINTS
+from slider.robot.names import joint_names, knee_joint_names
 
 _PHASE = np.linspace(0.0, 1.0, 101)
 _ROLLS = 41
@@ -143,12 +143,10 @@ def _joint(
     gait: Gait, joint: str, phase: np.ndarray, step: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Position and velocity (...) of a joint of the knee or of the prismatic robot, at phases."""
-    flat = phase.ravel()
-    names, values = (
-        (KNEE_JOINTS, gait.knee_joints(step, flat))
-        if joint in KNEE_JOINTS
-        else (JOINTS, gait.joints(step, flat))
-    )
+    flat, geometry = phase.ravel(), gait.library.robot.geometry
+    names, values = knee_joint_names(geometry), gait.knee_joints(step, flat)
+    if joint not in names:
+        names, values = joint_names(geometry), gait.joints(step, flat)
     position, velocity = (value[:, names.index(joint)].reshape(phase.shape) for value in values)
     return position, velocity
 

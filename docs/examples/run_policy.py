@@ -258,9 +258,9 @@ class Estimator:
             mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, foot.id, motion, 0)
             velocities[leg] = -share @ (motion[3:] + np.cross(motion[:3], ends - foot.xpos))
             heights[leg] = -share @ ends[:, 2]
-            thigh = data.body(f"{side}_hip_pitch")
-            axes[leg] = thigh.xmat.reshape(3, 3)[:, 2]
-            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, thigh.id, motion, 0)
+            tube = data.body(f"{side}_slide")
+            axes[leg] = tube.xmat.reshape(3, 3)[:, 2]
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, tube.id, motion, 0)
             turning[leg] = np.linalg.norm(np.cross(motion[:3], axes[leg]))
         return velocities, heights, axes, turning
 

@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from slider.cli import main
 from slider.config.convert import to_dict
 from slider.config.model_file import read_model
-from slider.config.model_tree import LINKS
-from slider.config.robot import RobotConfig, parameters
+from slider.config.robot import LINKS, RobotConfig, parameters
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.config.composed import CONF, composed, refusal
 from tests.robot.lopsided import kneed, lopsided, turned

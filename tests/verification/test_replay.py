@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
-from slider.verification.replay import Simulation, level_leg, regulated, tabulate
+from slider.verification.inverse_kinematics import level_leg
+from slider.verification.replay import Simulation, regulated, tabulate
 from tests.robot.lopsided import lopsided, turned
 from tests.verification.sample import config, gaits, plant, turning_gaits
 

@@ -13,7 +13,6 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.model_tree import (
     AXES,
-    LINKS,
     MAX_DIFFERENCE,
     MIRROR,
     Link,
@@ -23,7 +22,7 @@ from slider.config.model_tree import (
     relative,
     rounded,
 )
-from slider.config.robot import LEAST_BEND, TILTS
+from slider.config.robot import LEAST_BEND, LINKS, TILTS
 from slider.core.errors import require
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}

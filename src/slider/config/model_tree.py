@@ -16,18 +16,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from slider.config import types as t
-from slider.config.robot import HIP_JOINTS, MAX_TURN, TILTS
+from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, TILTS
 from slider.core.errors import UserError, require
 
-LINKS = {
-    "hip_yaw": "yaw",
-    "hip_roll": "roll",
-    "hip_pitch": "pitch",
-    "slide": "tube",
-    "ankle": "foot",
-    "upper_foot": "upper_foot",
-}
-"""Joint, and the link below it; a knee has the place of the slide."""
 _KNEE = "knee"
 ABSENT = ("hip_yaw", "upper_foot")
 """Joints that a machine may lack: a light link and a narrow range take their place."""

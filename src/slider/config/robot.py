@@ -17,8 +17,16 @@ from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
-HIP_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch")
-BELOW_HIP = ("slide", "ankle", "upper_foot")
+LINKS = {
+    "hip_yaw": "yaw",
+    "hip_roll": "roll",
+    "hip_pitch": "pitch",
+    "slide": "tube",
+    "ankle": "foot",
+    "upper_foot": "upper_foot",
+}
+"""Joint, and the link below it; a knee has the place of the slide."""
+HIP_JOINTS, BELOW_HIP = ("hip_yaw", "hip_roll", "hip_pitch"), tuple(LINKS)[3:]
 TILTS = ("hip_yaw", "hip_roll")
 """Joints whose axes may be tilted, and which the reflection at the sagittal plane turns back."""
 LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
@@ -130,6 +138,18 @@ class HipAxes:
         return sum((np.array(getattr(self, name)) for name in below), np.zeros(3))
 
 
+class LegJoint(NamedTuple):
+    """A joint of a leg, its place and unit vector (3,) [m] in the frame of the link above.
+
+    ``slides``: it moves what is below along the vector instead of turning it.
+    """
+
+    name: str
+    place: np.ndarray
+    axis: np.ndarray
+    slides: bool
+
+
 @dataclass(frozen=True, config=t.STRICT)
 class Geometry:
     """Lengths."""
@@ -174,6 +194,16 @@ class Geometry:
         places = (getattr(self.axes, name) for name in above)
         x, y, z = (sum(values) for values in zip(*places, strict=True))
         return x, y, z
+
+    def leg(self, lateral: float = 1.0) -> list[LegJoint]:
+        """Driven joints of a left (1) or right (−1) leg, from the base down."""
+        reflection, (_, leftward, up) = np.array([1.0, lateral, 1.0]), np.eye(3)
+        knee, slides = np.array(self.knee or (0.0, 0.0, 0.0)), self.knee is None
+        hip = [LegJoint(*joint, slides=False) for joint in self.axes.chain(lateral)]
+        below = reflection * (knee - self.axes.below_pitch) + 0.0
+        ankle = reflection * (-self.leg_length * up - knee) + 0.0
+        extension = LegJoint("slide", below, 0.0 - up if slides else leftward, slides)
+        return [*hip, extension, LegJoint("ankle", ankle, leftward, slides=False)]
 
     @property
     def slide_length(self) -> float | None:

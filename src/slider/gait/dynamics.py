@@ -24,7 +24,6 @@ from slider.gait.tree import (
     edges_of,
     knee_leg,
     next_pose,
-    own_leg,
     rotation,
 )
 from slider.robot import names
@@ -56,7 +55,7 @@ class StanceTree:
 
     def __init__(self, robot: Mechanism) -> None:
         self.map = LegMap.of(robot)
-        self.upper_link = "thigh"  # from which the line to the ankle is the leg
+        self.upper_link = "pitch"  # from which the line to the ankle is the leg
         self.bodies, self.edges = self._tree(robot)
         self.sole = np.array([0.0, 0.0, -robot.geometry.ankle_height])  # in the foot's frame [m]
 
@@ -117,13 +116,14 @@ class OwnTree(StanceTree):
 
     def __init__(self, robot: Mechanism) -> None:
         super().__init__(robot)
-        self.upper_link = "tube" if robot.geometry.knee is None else "pitch"
+        if robot.geometry.knee is None:
+            self.upper_link = "tube"
         damping = [robot.joints[name].damping for name in robot.geometry.leg_joints[:LEG_JOINTS]]
         self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
         self._damping = ca.DM(np.tile(damping, 2))
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
-        legs = (own_leg(robot.geometry, lateral) for lateral in (1.0, -1.0))
+        legs = (robot.geometry.leg(lateral) for lateral in (1.0, -1.0))
         return _both_legs(own_bodies(robot)), edges_of(*legs)
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:

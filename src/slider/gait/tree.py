@@ -15,7 +15,7 @@ from functools import wraps
 import casadi as ca
 import numpy as np
 
-from slider.config.robot import Geometry, HipAxes, Mechanism, VirtualKnee
+from slider.config.robot import LINKS, HipAxes, LegJoint, Mechanism, VirtualKnee
 from slider.robot.names import LEG_MOTORS, NUM_MOTORS
 
 LEG_JOINTS, NUM_JOINTS = LEG_MOTORS, NUM_MOTORS
@@ -80,43 +80,25 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
     return matrix
 
 
-# Bodies of a leg from the hip down: name, axis, place in the body above, whether the joint slides.
-Link = tuple[str, np.ndarray, np.ndarray, bool]
 _LEFTWARD = np.array([0.0, 1.0, 0.0])
+_LINKS = LINKS | {"knee": "shank"}
 
 
-def knee_leg(axes: HipAxes, knee: VirtualKnee, lateral: float) -> list[Link]:
+def knee_leg(axes: HipAxes, knee: VirtualKnee, lateral: float) -> list[LegJoint]:
     """Left (1) or right (−1) leg with the virtual knee, which bends about −y."""
-    thigh, shank = ([0.0, 0.0, -each] for each in (knee.thigh_length, knee.shank_length))
-    below = ("shank", -_LEFTWARD, thigh), ("foot", _LEFTWARD, shank)
-    hip = _hip(axes, lateral, "thigh")
-    return [*hip, *((name, axis, np.array(place), False) for name, axis, place in below)]
+    hip = [LegJoint(*joint, slides=False) for joint in axes.chain(lateral)]
+    thigh, shank = (np.array([0.0, 0.0, -each]) for each in (knee.thigh_length, knee.shank_length))
+    below = LegJoint("knee", thigh, -_LEFTWARD, False), LegJoint("ankle", shank, _LEFTWARD, False)
+    return [*hip, *below]
 
 
-def own_leg(geometry: Geometry, lateral: float) -> list[Link]:
-    """Left (1) or right (−1) leg: the slide lowers the tube along −z; or the knee turns about y."""
-    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    reflection, knee = np.array([1.0, lateral, 1.0]), geometry.knee is not None
-    axis = _LEFTWARD if knee else np.array([0.0, 0.0, -1.0])
-    from_hip = reflection * ([x, y, z] - geometry.axes.below_pitch) + 0.0
-    ankle = reflection * [-x, -y, -geometry.leg_length - z] + 0.0
-    tube, foot = ("tube", axis, from_hip, not knee), ("foot", _LEFTWARD, ankle, False)
-    return [*_hip(geometry.axes, lateral, "pitch"), tube, foot]
-
-
-def _hip(axes: HipAxes, lateral: float, pitch: str) -> list[Link]:
-    """``pitch``: name of the link below the pitch axis."""
-    links = {"hip_yaw": "yaw", "hip_roll": "roll", "hip_pitch": pitch}
-    return [(links[name], axis, place, False) for name, place, axis in axes.chain(lateral)]
-
-
-def edges_of(left: list[Link], right: list[Link]) -> list[Edge]:
+def edges_of(left: list[LegJoint], right: list[LegJoint]) -> list[Edge]:
     """From the stance (left) foot up to the base and down to the swing foot."""
     edges, zero = list[Edge](), np.zeros(3)
     for side, chain in ((STANCE, left), (SWING, right)):
         parent = "base"
-        for k, (name, axis, place, slides) in enumerate(chain):
-            child = f"{side}_{name}"
+        for k, (name, place, axis, slides) in enumerate(chain):
+            child = f"{side}_{_LINKS[name]}"
             if side == STANCE:
                 ends = (0.0 - place, zero) if slides else (zero, place)  # a slide does not turn
                 edges.insert(0, Edge(child, parent, k, 0.0 - axis, *ends, slides))

@@ -45,12 +45,12 @@ def own_bodies(robot: Mechanism) -> dict[str, Body]:
 
 
 def knee_bodies(robot: Mechanism) -> dict[str, Body]:
-    """``base``, and ``yaw``, ``roll``, ``thigh``, ``shank``, ``foot`` of one virtual-knee leg."""
+    """``base``, and ``yaw``, ``roll``, ``pitch`` (thigh), ``shank``, ``foot`` of such a leg."""
     links = robot.links
     bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll")}
     knee = robot.sliding_leg
     shank = _part(links.tube, knee.shank_mass_fraction, -knee.shank_length / 2)
-    return bodies | {"thigh": _thigh(robot), "shank": shank, "foot": _body(links.foot)}
+    return bodies | {"pitch": _thigh(robot), "shank": shank, "foot": _body(links.foot)}
 
 
 def total_mass(bodies: Mapping[str, Body]) -> float:

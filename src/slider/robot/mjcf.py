@@ -18,16 +18,14 @@ from typing import Literal
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slider.config.robot import Geometry, Link, RobotConfig
+from slider.config.robot import LINKS, Geometry, LegJoint, Link, RobotConfig
 from slider.robot import names
 from slider.robot.transmission import Transmission, by_motor
 
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
-_LEFTWARD, _UP = np.eye(3)[1:]
 DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
 _SITE, _GEOM = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
 _KIND = mujoco.mjtSensor
@@ -124,42 +122,36 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
 
 
 def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -> None:
-    geometry, links, capsule = robot.geometry, robot.links, mujoco.mjtGeom.mjGEOM_CAPSULE
-    hip, last = {}, base
-    bodies = {"hip_yaw": links.yaw, "hip_roll": links.roll, "hip_pitch": links.pitch}
-    for name, place, axis in geometry.axes.chain(sign):
-        last = hip[name] = _add_link(last, robot, side, name, bodies[name], place, axis)
+    geometry, capsule, parent = robot.geometry, mujoco.mjtGeom.mjGEOM_CAPSULE, base
+    bodies, *_, (_, knee, _, _), (_, ankle, leftward, _) = {}, *geometry.leg(sign)
+    for joint in geometry.leg(sign):
+        parent = bodies[joint.name] = _add_link(parent, robot, side, joint)
     _add_geom(
-        hip["hip_roll"],
+        bodies["hip_roll"],
         f"{side}_hip",
         mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
     )
-    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    ankle = [-x + 0.0, -sign * y + 0.0, -geometry.leg_length - z]
-    pitch = -geometry.axes.below_pitch * [1.0, sign, 1.0] + 0.0  # the pitch axis in the last link
-    knee, axis = pitch + [x, sign * y, z], _LEFTWARD
-    if geometry.knee is None:
-        axis = -_UP  # grows as the leg gets longer
-    tube = _add_link(last, robot, side, "slide", links.tube, knee, axis)
     # The collision tube ends above the ankle, so that the foot alone touches the ground.
     rod = {"size": [geometry.tube_radius, 0, 0], "rgba": [0.12, 0.12, 0.13, 1]}
     top, end = [0.0, 0.0, geometry.upper_foot_height], [*ankle[:2], ankle[2] + 0.05]
     if geometry.knee is not None:
         top = [0.0, 0.0, 0.0]
-        thigh = _add_geom(last, f"{side}_thigh", capsule, fromto=[*pitch, *knee], **rod)
+        hip = -geometry.axes.below_pitch * [1.0, sign, 1.0]
+        last = bodies[geometry.axes.order[-1]]
+        thigh = _add_geom(last, f"{side}_thigh", capsule, fromto=[*hip, *knee], **rod)
         thigh.conaffinity = 0  # for films
-    _add_geom(tube, names.tube(side), capsule, fromto=[*top, *end], **rod)
-    foot = _add_link(tube, robot, side, "ankle", links.foot, ankle, _LEFTWARD)
-    height = geometry.ankle_height - geometry.foot_radius
+    _add_geom(bodies["slide"], names.tube(side), capsule, fromto=[*top, *end], **rod)
+    foot, height = bodies["ankle"], geometry.ankle_height - geometry.foot_radius
     line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
     line.friction = [robot.contact.friction, 0.005, 0.0001]
     line.priority = 1  # the foot's friction counts, not the floor's
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
     # After the foot: MuJoCo numbers joints in this order, that of joint_names.
-    place = [0, 0, geometry.upper_foot_height]
-    upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place, _LEFTWARD)
+    place = np.array([0.0, 0.0, geometry.upper_foot_height])
+    upper = LegJoint("upper_foot", place, leftward, slides=False)
+    upper = _add_link(bodies["slide"], robot, side, upper)
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
     if geometry.knee is not None:
         line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
@@ -176,28 +168,23 @@ def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
 
 
 def _add_link(
-    parent: mujoco.MjsBody,
-    robot: RobotConfig,
-    side: str,
-    joint: str,
-    link: Link,
-    place: ArrayLike,
-    axis: ArrayLike,
+    parent: mujoco.MjsBody, robot: RobotConfig, side: str, joint: LegJoint
 ) -> mujoco.MjsBody:
-    config, drive = robot.joints[joint], robot.drives.get(joint)
-    body_name = names.foot(side) if joint == "ankle" else f"{side}_{joint}"
-    body = parent.add_body(name=body_name, pos=np.asarray(place))
-    slide = joint == "slide" and robot.geometry.knee is None
-    index = names.joint_names(robot.geometry).index(f"{side}_{joint}")
+    config, drive = robot.joints[joint.name], robot.drives.get(joint.name)
+    name = f"{side}_{joint.name}"
+    body_name = names.foot(side) if joint.name == "ankle" else name
+    body = parent.add_body(name=body_name, pos=joint.place)
+    index, kinds = names.joint_names(robot.geometry).index(name), mujoco.mjtJoint
     body.add_joint(
-        name=f"{side}_{joint}",
-        type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
-        axis=np.asarray(axis),
+        name=name,
+        type=kinds.mjJNT_SLIDE if joint.slides else kinds.mjJNT_HINGE,
+        axis=joint.axis,
         limited=mujoco.mjtLimited.mjLIMITED_TRUE,
         range=robot.joint_ranges[:, index],
         armature=config.armature + (0.0 if drive is None else drive.inertia),
         damping=np.array([config.damping]),
     )
+    link = getattr(robot.links, LINKS[joint.name])
     _set_inertia(body, link, 1.0 if side == names.SIDES[0] else -1.0)
     return body
 

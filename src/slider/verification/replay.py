@@ -21,14 +21,13 @@ from slider.robot import names
 from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
+from slider.verification.inverse_kinematics import level_leg
 from slider.verification.plant import Plant
 from slider.verification.stored import StoredGait
 
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
 _ENDS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])  # of the fields of a reference
-_ITERATIONS_MAX, _CLOSE, _DAMPING = 30, 1e-12, 1e-9  # of a leg's joints; [rad, m]
-_Joint = tuple[np.ndarray, np.ndarray, bool]
 
 
 class Reference(NamedTuple):
@@ -123,97 +122,6 @@ def _smooth(x: float) -> float:
     """From 0 to 1 with zero slope at both ends."""
     x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
-
-
-def level_leg(
-    geometry: Geometry,
-    side: str,
-    base: tuple[np.ndarray, np.ndarray],
-    sole: np.ndarray,
-    heading: np.ndarray,
-    start: np.ndarray,
-) -> np.ndarray:
-    """Hip, slide or knee, and ankle (5,) [rad, m] of a foot line on a heading; else near there.
-
-    By the Levenberg-Marquardt method with the damping of Sugihara, "Solvability-unconcerned inverse
-    kinematics by the Levenberg-Marquardt method", IEEE Transactions on Robotics 2011.
-
-    Args:
-        geometry: of the robot.
-        side: the leg's.
-        base: position (3,) [m] and rotation to world (3, 3).
-        sole: middle of the foot line (3,) [m].
-        heading: unit vector (3,) along the foot line, towards the toe.
-        start: joints (5,) to begin with.
-    """
-    lateral = 1.0 if side == names.SIDES[0] else -1.0
-    joints = _leg_chain(geometry, lateral)
-    across = np.linalg.svd(heading[None])[2][1:]  # (2, 3), perpendicular to the heading
-    q = start.copy()
-    for _ in range(_ITERATIONS_MAX):
-        place, rotation, jacobian = _foot(joints, base, q, geometry.ankle_height)
-        toe = rotation[:, 0]
-        turned = np.array([_cross(axis, toe) for axis in jacobian[3:].T]).T
-        rows = np.concatenate([jacobian[:3], across @ turned])
-        error = np.append(place - sole, across @ toe)
-        damped = rows.T @ rows + (error @ error + _DAMPING) * np.eye(len(q))
-        step = np.linalg.solve(damped, rows.T @ error)
-        q -= step
-        if np.abs(step).max() < _CLOSE:
-            break
-    if geometry.knee is not None:  # at most straight
-        bent = np.sign(geometry.bend) * (q[names.EXTENSION] + geometry.bend)
-        q[names.EXTENSION] = np.sign(geometry.bend) * max(bent, 0.0) - geometry.bend
-    return q
-
-
-def _leg_chain(geometry: Geometry, lateral: float) -> list[_Joint]:
-    """Place in the frame above and axis of each driven joint; whether it slides."""
-    reflection, hip = np.array([1.0, lateral, 1.0]), geometry.axes.chain(lateral)
-    knee = np.array(geometry.knee or (0.0, 0.0, 0.0))
-    ankle = np.array([0.0, 0.0, -geometry.leg_length]) - knee
-    slides, leftward = geometry.knee is None, np.array([0.0, 1.0, 0.0])
-    axis = np.array([0.0, 0.0, -1.0]) if slides else leftward
-    return [
-        *((place, axis, False) for _, place, axis in hip),
-        (reflection * (knee - geometry.axes.below_pitch), axis, slides),
-        (reflection * ankle, leftward, False),
-    ]
-
-
-def _foot(
-    joints: list[_Joint], base: tuple[np.ndarray, np.ndarray], q: np.ndarray, ankle_height: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sole (3,) [m], rotation to world (3, 3) and Jacobian (6, 5) of a leg's foot."""
-    (place, rotation), axes, places = base, [], []
-    for (offset, axis, slides), position in zip(joints, q, strict=True):
-        place = place + rotation @ offset
-        axes.append(rotation @ axis)
-        places.append(place)
-        if slides:
-            place = place + position * axes[-1]
-        else:
-            rotation = _turned(axis, position, rotation)
-    sole = place - ankle_height * rotation[:, 2]
-    jacobian = np.zeros((6, len(q)))
-    for column, ((_, _, slides), axis, joint) in enumerate(zip(joints, axes, places, strict=True)):
-        jacobian[:3, column] = axis if slides else _cross(axis, sole - joint)
-        jacobian[3:, column] = 0.0 if slides else axis
-    return sole, rotation, jacobian
-
-
-def _turned(axis: np.ndarray, angle: float, rotation: np.ndarray) -> np.ndarray:
-    """A rotation (3, 3) to world, followed by a turn about an axis of its own frame."""
-    cross = np.cross(np.eye(3), axis)
-    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
-    return rotation @ turn
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """np.cross for two vectors (3,), which it does ten times slower."""
-    return np.array(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
 
 
 def tilt_of(rotation: np.ndarray) -> np.ndarray:

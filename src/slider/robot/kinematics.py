@@ -177,12 +177,14 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
     q, lateral, hip = joints[:, leg * LEG_SIZE :], (1.0, -1.0)[leg], {}
     below, tube = zeros((len(joints), 3), joints), rotation
     for index, (name, place, axis) in enumerate(geometry.axes.chain(lateral)):
-        below = below + tube @ asarray(place, joints)
-        hip[name] = below, tube @ asarray(axis, joints)
-        tube = tube @ _about(axis, q[:, index])
+        if place.any():
+            below = below + tube @ asarray(place, joints)
+        along = np.flatnonzero(axis)
+        unit = tube[:, :, along[0]] if len(along) == 1 else tube @ asarray(axis, joints)
+        hip[name], tube = (below, unit), tube @ _about(axis, q[:, index])
     x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    from_last = [x, y, z] - geometry.axes.below_pitch
-    knee = below + tube @ asarray(from_last * [1.0, lateral, 1.0], joints)
+    from_last = ([x, y, z] - geometry.axes.below_pitch) * [1.0, lateral, 1.0]
+    knee = below + tube @ asarray(from_last, joints) if from_last.any() else below
     if geometry.knee is None:
         ankle = knee - tube[:, :, 2] * (geometry.leg_length + q[:, EXTENSION])[:, None]
     else:

@@ -17,7 +17,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
-from slider.config.robot import choose, parameters, scaled
+from slider.config.parameters import choose, parameters, scaled
 from slider.config.schema import BudgetConfig, Config, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation import validate

@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 from slider.cli import main
 from slider.config.convert import to_dict
 from slider.config.model_file import read_model
-from slider.config.robot import LINKS, RobotConfig, parameters
+from slider.config.parameters import parameters
+from slider.config.robot import LINKS, RobotConfig
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.config.composed import CONF, composed, refusal
 from tests.robot.lopsided import kneed, lopsided, turned
@@ -285,6 +286,18 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
             "left_slide: expected a valid numb",
         ),
         (YAML, "joints: {", "pose: {left_hip_roll: 0.5}, joints: {", "expected an axis along"),
+        (
+            YAML,
+            "right_hip_yaw], hip_roll: [left_hip_roll, right_hip_roll]",
+            "right_hip_roll], hip_roll: [left_hip_roll, right_hip_yaw]",
+            "of both hips (hip_yaw, hip_roll, hip_pitch), found hip_roll, hip_yaw, hip_pitch",
+        ),
+        (
+            YAML,
+            "[left_hip_yaw, right_hip_yaw], hip_roll: [left_hip_roll, right_hip_roll]",
+            "[left_hip_roll, right_hip_roll], hip_roll: [left_hip_yaw, right_hip_yaw]",
+            "joints.hip_yaw: expected an axis within 60° of z, found left_hip_roll along",
+        ),
         (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),

@@ -3,7 +3,8 @@
 import pytest
 
 from slider.config.convert import to_dict
-from slider.config.robot import RobotConfig, choose, parameters, scaled, tag
+from slider.config.parameters import choose, parameters, scaled, tag
+from slider.config.robot import RobotConfig
 from tests.config.composed import composed
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.gaits import library_job
-from slider.config.robot import parameters
+from slider.config.parameters import parameters
 from tests.config.composed import CONF, composed, refusal
 
 SLIDER = (CONF / "robot" / "slider.yaml").read_text(encoding="utf-8")

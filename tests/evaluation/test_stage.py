@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.config.robot import scaled
+from slider.config.parameters import scaled
 from slider.control.model_based import build_plant
 from slider.core.errors import UserError
 from slider.core.job import Job

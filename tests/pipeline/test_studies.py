@@ -10,7 +10,7 @@ from pipeline.studies import GAITS_ONLY, study_job
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
-from slider.config.robot import choose, parameters, scaled
+from slider.config.parameters import choose, parameters, scaled
 from slider.core.errors import UserError
 from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec

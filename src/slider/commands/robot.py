@@ -12,7 +12,8 @@ import numpy as np
 
 from slider.config.compose import compose
 from slider.config.model_file import ModelFile
-from slider.config.robot import RobotConfig, parameters
+from slider.config.parameters import parameters
+from slider.config.robot import RobotConfig
 from slider.config.robot_file import read_option
 from slider.core.errors import require
 from slider.robot.knee_map import with_upper_feet

@@ -162,9 +162,8 @@ class ModelTree:
         places, directions, links, joints = {}, {}, {}, {}
         for name, pair in self._joints.items():
             places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
-            directions[name] = self._direction(name, side)[0]
             links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
-            joints[name] = self._joint(name, side)
+            joints[name], directions[name] = self._joint(name, side)
         absent = [name for name in ABSENT if name not in joints]
         joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
         return places, directions, links, joints
@@ -206,15 +205,15 @@ class ModelTree:
         cosine = (np.trace(posed @ (base.T @ own).T) - 1.0) / 2.0
         return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
-    def _joint(self, name: str, side: int) -> dict[str, float]:
-        """Range and passive properties, of a left leg."""
+    def _joint(self, name: str, side: int) -> tuple[dict[str, float], np.ndarray]:
+        """Range and passive properties, of a left leg; unit vector along the axis (3,)."""
         model, index = self._model, self._joints[name][side]
         key = f"robot.roles.joints.{_KNEE if name == 'slide' and self.has_knee else name}"
         slides, text = name == "slide" and not self.has_knee, model.joint(index).name
         possible = model.jnt_type[index] == _MOVES[slides]
         expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
         require(possible, key, expected, text)
-        _, sign = self._direction(name, side)
+        axis, sign = self._direction(name, side, key)
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
         if side == 1 and name in TILTS:
             sign = -sign
@@ -228,11 +227,11 @@ class ModelTree:
         dof = model.jnt_dofadr[index]
         values = {"lower": ends.min(), "upper": ends.max(), "damping": model.dof_damping[dof]}
         values["armature"] = model.dof_armature[dof]
-        return {name: rounded(value) for name, value in values.items()}
+        return {name: rounded(value) for name, value in values.items()}, axis
 
-    def _direction(self, name: str, side: int) -> tuple[np.ndarray, float]:
+    def _direction(self, name: str, side: int, key: str) -> tuple[np.ndarray, float]:
         """Unit vector (3,) of an axis as its role has it; −1 where the file's is against it."""
-        index, key = self._joints[name][side], f"robot.roles.joints.{name}"
+        index = self._joints[name][side]
         axis = self._turn @ self._data.xaxis[index]
         along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
         sign = float(np.sign(axis @ along))

@@ -1,9 +1,8 @@
-"""Typed robot parameters, and robots that differ in one of them.
+"""Typed robot parameters.
 
 Values and their provenance live in ``conf/robot``.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Annotated, Literal, NamedTuple
 
@@ -12,8 +11,6 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
-from slider.config.convert import from_dict, to_dict, with_settings
-from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
@@ -336,65 +333,3 @@ class RobotConfig(Mechanism):
     contact: Contact
     provenance: dict[str, Provenance | None] = field(default_factory=dict)
     """where values come from, by dotted path; the longest matching path counts; null: no tag"""
-
-
-class Parameter(NamedTuple):
-    """A number of the robot, or a vector that varies as a whole.
-
-    Attributes:
-        path: dotted, below ``robot``.
-        value: the numbers, one for a scalar.
-        provenance: tag of the longest matching path; empty without one.
-    """
-
-    path: str
-    value: tuple[float, ...]
-    provenance: str
-
-
-def parameters(robot: RobotConfig) -> list[Parameter]:
-    """All numbers and vectors of a robot, in the order of its configuration."""
-    values = to_dict(robot)
-    tags = values.pop("provenance")
-    for name in ("order", "yaw_direction", "roll_direction"):  # no sizes
-        del values["geometry"]["axes"][name]
-    numbers = ((k, v) for k, v in flatten(values).items() if isinstance(v, float | tuple))
-    return [
-        Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))
-        for path, value in numbers
-    ]
-
-
-def choose(
-    items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
-) -> list[Parameter]:
-    """Parameters with one of the tags, at or below one of the paths if there are any."""
-    return [
-        item
-        for item in items
-        if item.provenance in tags and (not paths or any(_within(item.path, p) for p in paths))
-    ]
-
-
-def tag(tags: Mapping[str, str | None], path: str) -> str:
-    """Tag of the longest path that is ``path`` or a group around it; empty without one."""
-    matching = [name for name in tags if _within(path, name)]
-    return tags[max(matching, key=len)] or "" if matching else ""
-
-
-def _within(path: str, group: str) -> bool:
-    return f"{path}.".startswith(f"{group}.")
-
-
-def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
-    """The robot with one parameter multiplied by ``factor``; it may be an impossible one.
-
-    Raises:
-        UserError: the parameter takes no such value.
-    """
-    values = to_dict(robot)
-    value = flatten(values)[path]
-    # Without the last digits, so that 60 · 1.2 is 72.
-    products = [float(f"{number * factor:.12g}") for number in np.atleast_1d(value).tolist()]
-    product = products if isinstance(value, tuple) else products[0]
-    return from_dict(RobotConfig, with_settings(values, {path: product}), "robot")

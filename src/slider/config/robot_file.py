@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, cast
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf
 
-from slider.config.robot import tag
+from slider.config.parameters import tag
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 

@@ -13,7 +13,8 @@ from slider.config.convert import from_dict, setting, to_dict, with_settings
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock
 from slider.config.gait import axis_size
-from slider.config.robot import BELOW_HIP, HIP_JOINTS, LEAST_BEND, RobotConfig, parameters
+from slider.config.parameters import parameters
+from slider.config.robot import BELOW_HIP, HIP_JOINTS, LEAST_BEND, RobotConfig
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import one_of, require

@@ -300,6 +300,12 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         ),
         (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
+        (
+            XML,
+            "<worldbody>",
+            f"<!--{'-' * 2_000_000}--><worldbody>",
+            "a file of at most 2000000 bytes",
+        ),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
         (
             XML,

@@ -6,7 +6,6 @@ See ``docs/explanation/baseline.md`` and ``docs/explanation/hzd.md``.
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 
@@ -19,8 +18,7 @@ PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class StepConfig:
+class StepConfig(t.Group, kw_only=True):
     """Steps."""
 
     time: t.Positive[t.Seconds]
@@ -33,8 +31,7 @@ class StepConfig:
     """a step without a contact ends this long after its duration"""
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class PlannedStepConfig(StepConfig):
+class PlannedStepConfig(StepConfig, kw_only=True):
     """Steps of the footstep planner."""
 
     time_per_speed: Annotated[t.NonNegative[t.Number], t.Unit("s²/m")] = 0.0
@@ -51,8 +48,7 @@ class PlannedStepConfig(StepConfig):
     """what ends a step"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PlannerConfig:
+class PlannerConfig(t.Group):
     """Footstep planner on the linear inverted pendulum."""
 
     steps: Annotated[t.Count, Field(le=100)]
@@ -75,8 +71,7 @@ class PlannerConfig:
     """no new plan in the last moments of a step"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VelocityConfig:
+class VelocityConfig(t.Group):
     """Reference velocity."""
 
     acceleration: t.Positive[t.MetresPerSecond2]
@@ -89,8 +84,7 @@ class VelocityConfig:
     """no integral action before this time after a change of the commanded velocity"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SwingConfig:
+class SwingConfig(t.Group):
     """End of the swing."""
 
     compression: t.NonNegative[t.Metres]
@@ -101,8 +95,7 @@ class SwingConfig:
     """downward, past the end, until there is contact"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class EntryConfig:
+class EntryConfig(t.Group):
     """Sway in double support into the lateral orbit."""
 
     duration: t.Positive[t.Seconds]
@@ -117,8 +110,7 @@ class EntryConfig:
     """largest distance of the centre of pressure from the middle of the feet, to gain speed"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TaskConfig:
+class TaskConfig(t.Group):
     """Gains of a task, and its weights."""
 
     kp: Annotated[t.NonNegative[t.Number], t.Unit("1/s²")]
@@ -127,8 +119,7 @@ class TaskConfig:
     """per axis; of stance: position, pitch and yaw"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class WholeBodyConfig:
+class WholeBodyConfig(t.Group):
     """Whole-body QP.
 
     Tasks: ``com``, whose gains hold the height, and the place while swaying; ``base``, its
@@ -151,7 +142,6 @@ class WholeBodyConfig:
     """of accelerations and of forces"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class SteppingBodyConfig(WholeBodyConfig):
     """Whole-body QP with the swing foot's tasks.
 
@@ -163,8 +153,7 @@ class SteppingBodyConfig(WholeBodyConfig):
     swing_rotation: TaskConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ObserverConfig:
+class ObserverConfig(t.Group):
     """State observer with the nominal robot."""
 
     delay: t.Seconds
@@ -175,8 +164,7 @@ class ObserverConfig:
     """the same of velocities"""
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class ModelBasedConfig:
+class ModelBasedConfig(t.Group, kw_only=True):
     """What controllers with a whole-body QP share."""
 
     substeps: Annotated[t.Count, Field(le=1000)]
@@ -191,8 +179,7 @@ class ModelBasedConfig:
     """what tables and figures call it"""
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class MpcConfig(ModelBasedConfig):
+class MpcConfig(ModelBasedConfig, kw_only=True):
     """A model-predictive controller: footstep planner, swing and whole-body control."""
 
     family: Literal["mpc"]
@@ -203,8 +190,7 @@ class MpcConfig(ModelBasedConfig):
     whole_body: SteppingBodyConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class OutputWeights:
+class OutputWeights(t.Group):
     """Weights of the outputs' accelerations in the QP, against those of a stance foot's motion."""
 
     torso: t.Vector3[t.NonNegative[t.Number]]
@@ -219,16 +205,14 @@ class OutputWeights:
     """pitch"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ChangeConfig:
+class ChangeConfig(t.Group):
     """Largest difference of a step's gait from the mean velocity of the step before."""
 
     faster: t.Positive[t.MetresPerSecond]
     slower: t.Positive[t.MetresPerSecond]
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class HzdControlConfig(ModelBasedConfig):
+class HzdControlConfig(ModelBasedConfig, kw_only=True):
     """Hybrid zero dynamics: the constraints of ``hzd``, enforced by a QP, with foot placement."""
 
     family: Literal["hzd"]

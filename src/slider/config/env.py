@@ -7,13 +7,11 @@ from dataclasses import field
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PhysicsConfig:
+class PhysicsConfig(t.Group):
     """Simulation step, its repetitions per control step, and solver iterations."""
 
     timestep: t.Positive[t.Seconds]
@@ -25,8 +23,7 @@ class PhysicsConfig:
     """greatest number of iterations of its line search"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ActionConfig:
+class ActionConfig(t.Group):
     """Desired joint position = origin + scale · clip(action)."""
 
     offset: Literal["nominal", "gait"]
@@ -37,8 +34,7 @@ class ActionConfig:
     """per leg joint"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class HeightScan:
+class HeightScan(t.Group):
     """Grid of points around the base at which ground height is measured."""
 
     points_x: Annotated[t.Count, Field(le=1000)]
@@ -47,8 +43,7 @@ class HeightScan:
     """distance of neighbouring points"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ObservationConfig:
+class ObservationConfig(t.Group):
     """Observation terms in order, each with its scale, and the clip after scaling."""
 
     terms: Annotated[dict[str, t.Positive[t.Number]], Field(min_length=1)]
@@ -64,8 +59,7 @@ class ObservationConfig:
         return period / max(period, self.velocity_filter)
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ReferenceConfig:
+class ReferenceConfig(t.Group):
     """The velocity that goes from one commanded velocity to the next.
 
     Clock, guide and the gait under the actions are those of the reference velocity.
@@ -75,8 +69,7 @@ class ReferenceConfig:
     """with which it goes to the commanded velocity, along x and y; 0: at once"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SensorsConfig:
+class SensorsConfig(t.Group):
     """Errors of encoders, inertial unit, motor currents and height scan.
 
     All are standard deviations but ``scan_drop_out`` and ``scan_delay``. White noise is drawn at
@@ -112,8 +105,7 @@ class SensorsConfig:
     """by which the map under the scan is late: it is off by this times the velocity"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class EstimatorConfig:
+class EstimatorConfig(t.Group):
     """Kalman filter of velocity and height; see ``slider.env.estimator``."""
 
     acceleration: t.Positive[t.MetresPerSecond2]
@@ -134,8 +126,7 @@ class EstimatorConfig:
     """time constant of the feet's forces"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class OnboardConfig:
+class OnboardConfig(t.Group):
     """Sensors of the robot, and the estimator that reads them."""
 
     sensors: SensorsConfig
@@ -145,16 +136,14 @@ class OnboardConfig:
 Sensing = Literal["true_state", "onboard"]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TerminationConfig:
+class TerminationConfig(t.Group):
     """What ends an episode."""
 
     terms: dict[str, float]
     """parameter of the active termination term, which says its bounds"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StartNoise:
+class StartNoise(t.Group):
     """Standard deviations of a robot's start about the nominal pose at rest."""
 
     joint_position: t.NonNegative[t.Radians]
@@ -165,8 +154,7 @@ class StartNoise:
     joint_velocity: t.NonNegative[t.RadiansPerSecond]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class HaltConfig:
+class HaltConfig(t.Group):
     """At zero velocity the clock stays at the next change of feet, both of them on the ground."""
 
     below: t.NonNegative[t.MetresPerSecond]
@@ -175,8 +163,7 @@ class HaltConfig:
     """it runs on when the velocity is more than this: the robot tips over"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PhaseConfig:
+class PhaseConfig(t.Group):
     """Clock that runs through the two steps of a walk."""
 
     enabled: bool
@@ -188,8 +175,7 @@ class PhaseConfig:
     halt: Annotated[HaltConfig, t.ordered("below", "above")]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PlantConfig:
+class PlantConfig(t.Group):
     """The part of an environment that does not depend on who controls the robot."""
 
     control_period: t.Positive[t.Seconds]
@@ -205,8 +191,7 @@ class PlantConfig:
         return self.onboard
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class EnvConfig:
+class EnvConfig(t.Group):
     """Observations and actions of a policy, and what ends an episode."""
 
     control_period: t.Positive[t.Seconds]
@@ -234,8 +219,7 @@ class EnvConfig:
         return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SensingConfig:
+class SensingConfig(t.Group):
     """Standard deviations of white noise on what a controller receives about the robot."""
 
     joint_position: t.NonNegative[t.Radians]
@@ -249,8 +233,7 @@ class SensingConfig:
     base_height: t.NonNegative[t.Metres]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PushConfig:
+class PushConfig(t.Group):
     """A horizontal force on the base, at regular times."""
 
     impulse: t.Interval[t.NonNegative[t.NewtonSeconds]]
@@ -279,8 +262,7 @@ TerrainKind = Literal[
 Level = Annotated[float, t.Unit("-"), Field(ge=0, le=20)]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TerrainConfig:
+class TerrainConfig(t.Group):
     """Ground under the robots; ``slider.env.terrain`` has what a level is of each kind."""
 
     kinds: t.Some[TerrainKind]
@@ -292,8 +274,7 @@ class TerrainConfig:
     one down after a fall; beyond ``upper`` drawn"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class DisturbanceConfig:
+class DisturbanceConfig(t.Group):
     """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
 
     sensing: SensingConfig

@@ -8,14 +8,12 @@ from itertools import pairwise
 from typing import Annotated, Literal, get_args
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 from slider.config.env import DisturbanceConfig, Level, SensingConfig, StartNoise, TerrainKind
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SpeedsConfig:
+class SpeedsConfig(t.Group):
     """Commanded forward velocities that several parts of the configuration share."""
 
     table1: t.Distinct[t.Some[t.MetresPerSecond]]
@@ -24,8 +22,7 @@ class SpeedsConfig:
     """the highest one, of gaits, trainings and the viewer"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Segment:
+class Segment(t.Group):
     """A constant velocity, until the next segment."""
 
     name: t.Name
@@ -47,16 +44,14 @@ _Segments = Annotated[
 ]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class CaseConfig:
+class CaseConfig(t.Group):
     """One rollout: its segments in the order of time, the first one from 0 s on."""
 
     name: t.Name
     segments: _Segments
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ProfileConfig:
+class ProfileConfig(t.Group):
     """Velocities that change during a rollout; see ``docs/how-to/evaluate.md``.
 
     ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
@@ -74,8 +69,7 @@ class ProfileConfig:
     """rollouts: from a time on, vx, vy and yaw_rate, 0 if not said"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class EvaluationConfig:
+class EvaluationConfig(t.Group):
     """A protocol: every controller, velocity, trial and robot; see ``docs/explanation/method.md``.
 
     ``controllers`` and ``speeds`` say which evaluations there are; they are not in the section
@@ -107,8 +101,7 @@ class EvaluationConfig:
     """velocities that change; null: constant ones"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SeedBlock:
+class SeedBlock(t.Group):
     """Consecutive seeds, ``first`` and ``last`` included."""
 
     first: t.Seed
@@ -121,8 +114,7 @@ class SeedBlock:
         return f"{self.first} to {self.last}"
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SeedsConfig:
+class SeedsConfig(t.Group):
     """Blocks of seeds that are held apart: nothing is chosen by results from ``final``.
 
     Trial k of an evaluation draws its starts from its seed + k.
@@ -139,8 +131,7 @@ LEVELS = 10
 Scale = Annotated[list[t.T], Field(min_length=LEVELS, max_length=LEVELS)]
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class ScalesConfig:
+class ScalesConfig(t.Group, kw_only=True):
     """Levels 1 to 10, from easy to hard, of the axes that are no terrain."""
 
     friction: t.Falling[Scale[t.Positive[t.Factor]]]
@@ -161,8 +152,7 @@ TERRAINS = tuple(kind for kind in get_args(TerrainKind) if kind != "flat")
 AXES = (*TERRAINS, *(item.name for item in fields(ScalesConfig)))
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class GaugeProtocol:
+class GaugeProtocol(t.Group, kw_only=True):
     """What all axes share. The robots of a level: ``trials`` × ``speeds`` × ``robots``."""
 
     speeds: t.Distinct[t.Some[t.Positive[t.MetresPerSecond]]]
@@ -184,8 +174,7 @@ class GaugeProtocol:
     """white noise of level × 1 of ``sensor_noise``, for controllers with the true state"""
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class GaugeConfig(GaugeProtocol):
+class GaugeConfig(GaugeProtocol, kw_only=True):
     """Controllers, axes and levels."""
 
     controllers: t.Distinct[t.Some[t.Name]]
@@ -209,8 +198,7 @@ class GaugeConfig(GaugeProtocol):
         return [float(value) for value in values][: self.levels]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class RangeConfig:
+class RangeConfig(t.Group):
     """What a setting is drawn from; the present value belongs to it."""
 
     lower: t.Number
@@ -228,8 +216,7 @@ _Range = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True, config=t.STRICT)
-class TuningConfig:
+class TuningConfig(t.Group, kw_only=True):
     """A search for each controller of ``spaces``."""
 
     trials: t.Count
@@ -254,8 +241,7 @@ Pixels = t.Even[Annotated[int, Field(ge=32, le=1920)]]
 """H.264 stores colours at half the resolution."""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class FilmedTerrain:
+class FilmedTerrain(t.Group):
     """Videos of the policy on terrain, with onboard state."""
 
     kinds: t.Distinct[list[TerrainKind]]
@@ -266,8 +252,7 @@ class FilmedTerrain:
     """commanded forward velocity"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VideoConfig:
+class VideoConfig(t.Group):
     """Which videos are made, and how; the section of a single one has no lists of them."""
 
     renderer: Literal["auto", "egl", "osmesa", "none"]
@@ -297,8 +282,7 @@ class VideoConfig:
         return ("side", "front") if self.camera == "both" else (self.camera,)
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ReportConfig:
+class ReportConfig(t.Group):
     """The page reports/index.html and the videos in it."""
 
     sections: t.Distinct[t.Some[t.Name]]

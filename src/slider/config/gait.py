@@ -5,13 +5,11 @@ from dataclasses import field
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Axis:
+class Axis(t.Group):
     """start, start + step, ... up to and including stop."""
 
     start: t.MetresPerSecond
@@ -29,8 +27,7 @@ def axis_size(axis: Axis | list[float]) -> int:
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class GridBlock:
+class GridBlock(t.Group):
     """A block of velocities; an axis may be a list of values."""
 
     vx: _Range | t.Distinct[t.Some[t.MetresPerSecond]]
@@ -46,7 +43,6 @@ class GridBlock:
         return self.vx, self.vy, self.yaw_rate
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class GridConfig(GridBlock):
     """The velocities of the library: one block, and further ones beside it."""
 
@@ -54,8 +50,7 @@ class GridConfig(GridBlock):
     """further blocks"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StepTime:
+class StepTime(t.Group):
     """Duration of a step."""
 
     lower: t.Positive[t.Seconds]
@@ -68,8 +63,7 @@ class StepTime:
     """change with the speed"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Touchdown:
+class Touchdown(t.Group):
     """Velocity of the swing foot just before impact."""
 
     forward: t.NonNegative[t.MetresPerSecond]
@@ -84,8 +78,7 @@ class Touchdown:
     """bound of each component of the angular velocity"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Posture:
+class Posture(t.Group):
     """Geometric limits of a gait."""
 
     clearance: t.NonNegative[t.Metres]
@@ -113,8 +106,7 @@ class Posture:
     """greatest virtual knee flexion"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ContactLimits:
+class ContactLimits(t.Group):
     """What the ground may do to the stance foot."""
 
     friction: t.Positive[t.Factor]
@@ -123,8 +115,7 @@ class ContactLimits:
     """least vertical force at toe and heel"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SolverConfig:
+class SolverConfig(t.Group):
     """IPOPT settings, what is tried in turn, and whether the first or the best result counts."""
 
     max_iterations: t.Count
@@ -140,8 +131,7 @@ class SolverConfig:
     """first: the first start that converges; best: try all, keep the cheapest gait"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StartSpread:
+class StartSpread(t.Group):
     """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
 
     joints: t.Positive[t.Radians]
@@ -155,8 +145,7 @@ class StartSpread:
 Nodes = t.Odd[Annotated[int, Field(ge=5, le=201)]]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class FormulationConfig:
+class FormulationConfig(t.Group):
     """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
     nodes: Nodes
@@ -193,8 +182,7 @@ class FormulationConfig:
     """of further rows at every node, by their names in ``slider.gait.constraints``, SI units"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SolveConfig:
+class SolveConfig(t.Group):
     """How a gait is found and converted."""
 
     kinematic_map: Literal["exact", "paper"]
@@ -213,15 +201,13 @@ class SolveConfig:
     solver: SolverConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class GaitConfig(SolveConfig, FormulationConfig):
     """One gait per velocity of the grid."""
 
     grid: GridConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class LibraryConfig:
+class LibraryConfig(t.Group):
     """How gaits are collected."""
 
     allow_holes: bool
@@ -230,16 +216,14 @@ class LibraryConfig:
     """worst constraint violation of a gait that counts as converged"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class IntegratorConfig:
+class IntegratorConfig(t.Group):
     """Tolerances of DOP853."""
 
     relative: t.Tolerance
     absolute: Annotated[t.Tolerance, t.Unit("rad, rad/s")]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class RegulatorConfig:
+class RegulatorConfig(t.Group):
     """Step-to-step foot placement of the replay; see ``slider.verification.replay``."""
 
     lateral: t.Factor
@@ -258,8 +242,7 @@ class RegulatorConfig:
     """speed at which a late swing foot is lowered"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ReplayConfig:
+class ReplayConfig(t.Group):
     """Replay in MuJoCo."""
 
     steps: Annotated[t.Count, Field(le=100_000)]
@@ -288,8 +271,7 @@ class ReplayConfig:
     ]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class CheckConfig:
+class CheckConfig(t.Group):
     """What the checks of a single gait need."""
 
     integrator: IntegratorConfig
@@ -298,7 +280,6 @@ class CheckConfig:
     replay: ReplayConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class VerificationConfig(CheckConfig):
     """All of the verification."""
 

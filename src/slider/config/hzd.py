@@ -4,7 +4,6 @@ from dataclasses import asdict, fields
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 
@@ -12,8 +11,7 @@ PerSecond = Annotated[float, t.Unit("1/s"), Field(ge=0, le=1e4)]
 PerSecond2 = Annotated[float, t.Unit("1/s²"), Field(ge=0, le=1e6)]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VirtualConstraintsConfig:
+class VirtualConstraintsConfig(t.Group):
     """Outputs, their phase and what enforces them."""
 
     outputs: Literal["absolute", "joints"]
@@ -34,8 +32,7 @@ class VirtualConstraintsConfig:
     """of the phase's rate, where the hip is the phase"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class FootPlacementConfig:
+class FootPlacementConfig(t.Group):
     """Event-based feedback: the linear-quadratic regulator of the step-to-step dynamics."""
 
     position: t.Positive[t.Number]
@@ -48,8 +45,7 @@ class FootPlacementConfig:
     """greatest displacement in each direction"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class LinearisationConfig:
+class LinearisationConfig(t.Group):
     """Return map by central differences."""
 
     difference: Annotated[t.Tolerance, t.Unit("rad, m, 1/s")]
@@ -58,16 +54,14 @@ class LinearisationConfig:
     """of the fixed point"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ImpactGrid:
+class ImpactGrid(t.Group):
     """Perturbed impacts: every roll with every roll rate."""
 
     roll: t.Distinct[t.Some[t.Radians]]
     roll_rate: t.Distinct[t.Some[t.RadiansPerSecond]]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class BasinConfig:
+class BasinConfig(t.Group):
     """Which perturbed starts return to the limit cycle, with and without foot placement."""
 
     roll: t.Interval[t.Radians]
@@ -82,7 +76,6 @@ class BasinConfig:
     """greatest deviation of roll and roll rate from the limit cycle's then"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class StabilityConfig(VirtualConstraintsConfig):
     """Virtual constraints, and what their stability is measured and made with."""
 
@@ -97,7 +90,6 @@ class StabilityConfig(VirtualConstraintsConfig):
     linearisation: LinearisationConfig
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class BasinsConfig(BasinConfig):
     """Basins of attraction of a few gaits."""
 
@@ -105,7 +97,6 @@ class BasinsConfig(BasinConfig):
     """vx, vy; those that the library does not ask for are left out"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 

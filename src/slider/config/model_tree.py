@@ -13,7 +13,6 @@ from typing import Any, Literal
 
 import mujoco
 import numpy as np
-from pydantic.dataclasses import dataclass as checked_dataclass
 
 from slider.config import types as t
 from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, TILTS
@@ -38,8 +37,7 @@ _MAX_SIZE = 2_000_000  # of a model file, whose parsing time grows with the squa
 MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
 
 
-@checked_dataclass(frozen=True, config=t.STRICT)
-class Roles:
+class Roles(t.Group):
     """What the parts of a model file are for.
 
     Attributes:

@@ -8,7 +8,6 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 
@@ -34,8 +33,7 @@ def leg_scale(leg_length: float) -> float:
     return leg_length / 0.64
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Link:
+class Link(t.Group):
     """A rigid body."""
 
     mass: t.Positive[t.Kilograms]
@@ -71,8 +69,7 @@ _Base = Annotated[
 ]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Links:
+class Links(t.Group):
     """The bodies of the prismatic model; all but the base exist once per leg."""
 
     base: _Base
@@ -90,8 +87,7 @@ _Yaw = t.Rule(f"within {MAX_TURN}° of z", lambda vector: vector[2] >= np.cos(np
 _Roll = t.Rule(f"within {MAX_TURN}° of x", lambda vector: vector[0] >= np.cos(np.deg2rad(MAX_TURN)))
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class HipAxes:
+class HipAxes(t.Group):
     """Places of a left hip's axes in the frame of the link above; y is reflected on the right.
 
     Frames are parallel to the base's where all joints are at zero.
@@ -147,8 +143,7 @@ class LegJoint(NamedTuple):
     slides: bool
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Geometry:
+class Geometry(t.Group):
     """Lengths."""
 
     axes: HipAxes
@@ -221,8 +216,7 @@ class Geometry:
         return self.leg_length + self.ankle_height - self.hip[2]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VirtualKnee:
+class VirtualKnee(t.Group):
     """The revolute leg that stands for the slide in the gait solver."""
 
     thigh_length: t.Positive[t.Metres]
@@ -233,8 +227,7 @@ class VirtualKnee:
     """share of the tube's mass that moves with the virtual shank"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Joint:
+class Joint(t.Group):
     """Range, that of a left leg, and passive properties of a joint."""
 
     lower: t.JointPosition
@@ -245,8 +238,7 @@ class Joint:
     """inertia of its own, beside that of the drives"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Drive:
+class Drive(t.Group):
     """A motor with its gear; of a slide without a capstan in N, m/s and kg."""
 
     torque: t.Positive[t.NewtonMetres]
@@ -259,16 +251,14 @@ class Drive:
     """of the rotor, reflected to the output; in addition to the joint's ``armature``"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Gains:
+class Gains(t.Group):
     """Position loop on board of a motor."""
 
     kp: Annotated[t.NonNegative[t.Number], t.Unit("N m/rad")]
     kd: Annotated[t.NonNegative[t.Number], t.Unit("N m s/rad")]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Capstan:
+class Capstan(t.Group):
     """Differential of slide and ankle, moved by two equal motors (``drives.capstan``)."""
 
     drum_radius: Annotated[t.Positive[t.Factor], t.Unit("m/rad")]
@@ -277,16 +267,14 @@ class Capstan:
     """angle of the foot per angle of both motors in opposite senses"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Contact:
+class Contact(t.Group):
     """Foot-ground contact."""
 
     friction: t.Positive[t.Factor]
     """coefficient of the foot on the ground"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Mechanism:
+class Mechanism(t.Group):
     """What gaits depend on: joints and drives by their names."""
 
     geometry: Geometry
@@ -324,7 +312,6 @@ class Mechanism:
         return np.concatenate([left, right], axis=1)
 
 
-@dataclass(frozen=True, config=t.STRICT)
 class RobotConfig(Mechanism):
     """Everything that defines the machine; gains by leg drive."""
 

@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 from slider.config.control import AnyControl
@@ -24,8 +23,7 @@ from slider.config.train import TrainConfig, TrainingsConfig
 Samples = Annotated[int, Field(ge=1, le=1_000_000_000_000)]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VariantConfig:
+class VariantConfig(t.Group):
     """One row of a study: its name for people, and Hydra overrides of the configuration."""
 
     label: t.Name
@@ -34,8 +32,7 @@ class VariantConfig:
     """of the configuration that the pipeline was given"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ScalingConfig:
+class ScalingConfig(t.Group):
     """Further variants: numbers of the robot, each multiplied by two factors, one at a time."""
 
     change: Annotated[t.Share, Field(gt=0, lt=1)]
@@ -46,8 +43,7 @@ class ScalingConfig:
     """dotted names below robot, or groups of them; empty: all with these tags"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StartsConfig:
+class StartsConfig(t.Group):
     """Random initial guesses of each gait, each solved by itself."""
 
     count: t.Count
@@ -59,8 +55,7 @@ class StartsConfig:
     spread: StartSpread
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class BudgetConfig:
+class BudgetConfig(t.Group):
     """Trainings of each variant, the same length for all."""
 
     seeds: t.Distinct[t.Some[t.Seed]]
@@ -73,8 +68,7 @@ class BudgetConfig:
     """samples between checks: the points of the learning curves"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class RolloutsConfig:
+class RolloutsConfig(t.Group):
     """Evaluations of each policy; all else is as in ``evaluation``."""
 
     trials: Annotated[t.Count, Field(le=100_000)]
@@ -85,8 +79,7 @@ class RolloutsConfig:
     """of the first trial"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StudyConfig:
+class StudyConfig(t.Group):
     """Variants and the metrics that are compared; ``conf/study/NAME.yaml`` is the target NAME."""
 
     run: t.Distinct[t.Some[t.Name]]
@@ -116,8 +109,7 @@ _Study = Annotated[
 ]
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TrackingConfig:
+class TrackingConfig(t.Group):
     """MLflow."""
 
     enabled: bool
@@ -126,24 +118,21 @@ class TrackingConfig:
     """name of the MLflow experiment"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class StoreConfig:
+class StoreConfig(t.Group):
     """The store of results. Never part of a recipe."""
 
     remote: t.Name | None
     """where missing results are taken from: a folder, ``s3://…``, ``sftp://…``, ``https://…``"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ResourcesConfig:
+class ResourcesConfig(t.Group):
     """Of the machine that computes. Never part of a recipe."""
 
     threads: Annotated[t.Count, Field(le=1024)] | None
     """cores of a training (other jobs have one); null: one, and idle ones beside it"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class Config:
+class Config(t.Group):
     """Root of the configuration; one field per group of ``conf/``.
 
     ``control`` holds the controllers beside the policy, by the name that evaluations have for them.

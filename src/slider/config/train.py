@@ -4,7 +4,6 @@ from dataclasses import field
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
 from slider.config.env import DisturbanceConfig, Sensing
@@ -13,8 +12,7 @@ WARP = "slider.env.warp"
 """Module of MuJoCo Warp's physics; its code is in the section of the trainings that use it."""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class VelocitiesConfig:
+class VelocitiesConfig(t.Group):
     """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
     vx: t.Interval[t.MetresPerSecond]
@@ -28,16 +26,14 @@ class VelocitiesConfig:
     """on ground that is not flat velocities are this share of those drawn"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class GuideConfig:
+class GuideConfig(t.Group):
     """Which gait guides a velocity between those of the library."""
 
     gait: Literal["interpolated", "nearest"]
     """between the gaits of the library; interpolated: at the reference velocity"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class RewardTerm:
+class RewardTerm(t.Group):
     """Weight of a reward term and its parameters."""
 
     weight: t.Number
@@ -46,8 +42,7 @@ class RewardTerm:
     """parameter of the term, which says its bounds"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class RewardConfig:
+class RewardConfig(t.Group):
     """max(weighted sum of terms, ``floor``) · ``scale`` + ``on_fall``."""
 
     terms: Annotated[dict[str, RewardTerm], Field(min_length=1)]
@@ -64,16 +59,14 @@ class RewardConfig:
         return {name: term for name, term in self.terms.items() if term.weight != 0}
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class ResetConfig:
+class ResetConfig(t.Group):
     """How episodes start."""
 
     reference_fraction: t.Share
     """share of episodes that start on the gait; the others start at rest"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class NetworkConfig:
+class NetworkConfig(t.Group):
     """Actor and critic: multilayer perceptrons of the same shape.
 
     The standard deviation of the action noise is learned between ``std_min`` and a bound:
@@ -99,8 +92,7 @@ class NetworkConfig:
     """factor on the last layer's initial weights: small first actions"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class PpoConfig:
+class PpoConfig(t.Group):
     """Proximal policy optimisation with generalised advantage estimation."""
 
     learning_rate: t.Positive[t.Factor]
@@ -135,8 +127,7 @@ class PpoConfig:
     """share of the actor's old average that an update leaves; the average is judged and exported"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class SelectionConfig:
+class SelectionConfig(t.Group):
     """Periodic small evaluation that picks the checkpoint to keep."""
 
     interval: t.Count
@@ -154,8 +145,7 @@ class SelectionConfig:
     """score of a robot that fell; one that tracks badly has less than half of it"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TrainConfig:
+class TrainConfig(t.Group):
     """One training run."""
 
     iterations: Annotated[int, Field(ge=0, le=10_000_000)]
@@ -186,8 +176,7 @@ class TrainConfig:
     """what agents receive: the true state, or its estimate from sensors on board"""
 
 
-@dataclass(frozen=True, config=t.STRICT)
-class TrainingsConfig:
+class TrainingsConfig(t.Group):
     """Standing pre-training, then walking."""
 
     pretraining: bool

@@ -5,21 +5,20 @@ generous: they refuse what cannot be a length, time or count, such as 1e30.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass as plain_dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar, dataclass_transform
 
 from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic.dataclasses import dataclass
+from pydantic.dataclasses import dataclass as checked_dataclass
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-STRICT = ConfigDict(
+_STRICT = ConfigDict(
     extra="forbid",
     strict=True,
     allow_inf_nan=False,
     defer_build=True,  # of a hundred classes a job needs the validators of a few
 )
-"""Settings of all configuration classes; infinity and NaN are refused everywhere."""
 
 SAME = 1e-6
 """Numbers of a list that are not further apart are one number, written twice."""
@@ -27,12 +26,24 @@ SAME = 1e-6
 T = TypeVar("T")
 
 
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+class Group:
+    """A group of values: its subclasses are frozen dataclasses that check their values.
+
+    Unknown keys, other types, infinity and NaN are refused.
+    """
+
+    def __init_subclass__(cls, kw_only: bool = False) -> None:
+        super().__init_subclass__()
+        checked_dataclass(cls, frozen=True, kw_only=kw_only, config=_STRICT)
+
+
 def Unit(text: str) -> Any:
     """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
     return Field(json_schema_extra={"unit": text})
 
 
-@plain_dataclass(frozen=True)
+@dataclass(frozen=True)
 class Rule:
     """What else must hold of a value: words, test, and which ``names`` of a group it compares."""
 
@@ -104,8 +115,7 @@ NewtonMetres = Annotated[float, Unit("N m"), Field(ge=0, le=1e6)]
 JointPosition = Annotated[float, Unit("rad | m"), Field(ge=-100, le=100)]
 
 
-@dataclass(frozen=True, config=STRICT)
-class Interval(Generic[T]):
+class Interval(Group, Generic[T]):
     """Closed interval."""
 
     lower: T

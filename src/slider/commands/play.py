@@ -18,7 +18,6 @@ from slider.core.errors import UserError, require
 if TYPE_CHECKING:
     from slider.play.scenes import Scene
 
-
 VELOCITY = ("VX", "VY", "YAW_RATE")
 
 
@@ -74,9 +73,12 @@ def run(arguments: argparse.Namespace) -> int:
     check(arguments)
     if arguments.film is not None:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
+    import mujoco
+
     from slider.play import loop
 
-    silence_mujoco()
+    # Write no MUJOCO_LOG.TXT into the working directory: a fall is shown, not logged.
+    mujoco.set_mju_user_warning(lambda _: None)  # pyright: ignore[reportAttributeAccessIssue]
     scene = choose(arguments)
     control = loop.Control(arguments.velocity, scene.top)
     for name, value, (low, high) in zip(VELOCITY, arguments.velocity, control.limits, strict=True):
@@ -123,13 +125,6 @@ def check(arguments: argparse.Namespace) -> None:
             expected = f"expected an address of this machine, found {arguments.host}"
             raise UserError(f"--host: {expected}: {error.strerror}") from None
     check_port(arguments.port, arguments.host if arguments.web else None)
-
-
-def silence_mujoco() -> None:
-    """Write no MUJOCO_LOG.TXT into the working directory: a fall is shown, not logged."""
-    import mujoco
-
-    mujoco.set_mju_user_warning(lambda message: None)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def choose(arguments: argparse.Namespace) -> "Scene":

@@ -56,7 +56,7 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     """
     roles, model = from_dict(Roles, values, "robot.roles"), compiled(path)
     tree = ModelTree(model, roles)
-    left, right = (_Leg(tree.order, *tree.leg(side), tree.has_knee) for side in range(2))
+    left, right = (_Leg(tree.order, tree.has_knee, *tree.leg(side)) for side in range(2))
     right = right.mirrored()
     length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
     differences = {}
@@ -91,11 +91,11 @@ class _Leg:
     """A leg in the base's frame: places of its axes [m], links and joints by role."""
 
     order: tuple[str, ...]
+    has_knee: bool
     places: dict[str, np.ndarray]
     directions: dict[str, np.ndarray]
     links: dict[str, Link]
     joints: dict[str, dict[str, float]]
-    has_knee: bool
 
     def mirrored(self) -> "_Leg":
         """The right leg as a left one; its joints' ranges are those of ``ModelTree.leg``."""
@@ -107,8 +107,7 @@ class _Leg:
 
     def geometry(self) -> dict[str, Any]:
         """Axes of the hip in the frames above, leg length, height of an upper foot."""
-        places, above = self.origins(), np.zeros(3)
-        order = list(self.order)
+        places, above, order = self.origins(), np.zeros(3), list(self.order)
         if "hip_yaw" not in order:
             order.insert(order.index("hip_roll"), "hip_yaw")
         axes: dict[str, Any] = {"order": order}
@@ -132,9 +131,8 @@ class _Leg:
             geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
             ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
             found = f"a knee {ahead:.3f} m off the line from hip to ankle"
-            require(
-                ahead >= LEAST_BEND * geometry["leg_length"], "robot.roles.pose", expected, found
-            )
+            bent = ahead >= LEAST_BEND * geometry["leg_length"]
+            require(bent, "robot.roles.pose", expected, found)
         if "upper_foot" in places:
             offset = places["upper_foot"] - above
             expected = "an upper foot above the pitch axis in the nominal pose"
@@ -146,12 +144,9 @@ class _Leg:
     def described(self) -> dict[str, Any]:
         """Links in the frames of their joints; light ones where there is no mass."""
         places = self.origins()
-        return {
-            LINKS[name]: self.links[name].values(places[name])
-            if self.links.get(name) and self.links[name].mass > 0.0
-            else dict(_LIGHT)
-            for name in LINKS
-        }
+        heavy = {name: link for name, link in self.links.items() if link.mass > 0.0}
+        described = {LINKS[name]: link.values(places[name]) for name, link in heavy.items()}
+        return dict.fromkeys(LINKS.values(), _LIGHT) | described
 
     def origins(self) -> dict[str, np.ndarray]:
         """Of the joints' frames; a slide's is the pitch's, whose y, as a knee's, is the ankle's.

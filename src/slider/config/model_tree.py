@@ -152,11 +152,7 @@ class ModelTree:
         """Left and right joint of a role."""
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
 
-    def leg(
-        self, side: int
-    ) -> tuple[
-        dict[str, np.ndarray], dict[str, np.ndarray], dict[str, Link], dict[str, dict[str, float]]
-    ]:
+    def leg(self, side: int) -> tuple[dict[str, Any], ...]:
         """By role, of a side's leg: places [m] and directions of axes, links, ranges of joints."""
         places, directions, links, joints = {}, {}, {}, {}
         for name, pair in self._joints.items():
@@ -184,8 +180,8 @@ class ModelTree:
         """Joints without a role, each with those below it, and the mass that they carry [kg]."""
         model, result, below = self._model, {}, set[int]()
         for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
-            free = [k for k in self._joints_of(int(body)) if model.jnt_type[k] != _FREE]
-            held = [index for index in free if index not in self._roles]
+            joints = set(self._joints_of(int(body))) - self._roles
+            held = sorted(k for k in joints if model.jnt_type[k] != _FREE)
             nested = model.body_parentid[body] in below  # parents come first
             if held and not nested:
                 name = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
@@ -311,11 +307,11 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
     lacks = [name for name, pair in roles.joints.items() if pair is None and name not in ABSENT]
     require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
-    pairs: dict[str, tuple[int, int]] = {}
-    for name, pair in table.items():
-        if pair is not None:
-            left, right = (_index(model, "joint", joint, key) for joint in pair)
-            pairs[name] = left, right
+    present = {name: pair for name, pair in table.items() if pair is not None}
+    pairs = {
+        name: (_index(model, "joint", left, key), _index(model, "joint", right, key))
+        for name, (left, right) in present.items()
+    }
     used = [index for pair in pairs.values() for index in pair]
     require(len(set(used)) == len(used), key, "each joint once", "one for two roles")
     return pairs

@@ -116,13 +116,9 @@ class HipAxes(t.Group):
         ``lateral`` is 1 for the left leg, −1 for the right one.
         """
         reflection = np.array([1.0, lateral, 1.0])
-        tilted = np.array([self.yaw_direction, self.roll_direction]) * reflection + 0.0
-        directions = {"hip_pitch": np.array([0.0, 1.0, 0.0])} | dict(
-            zip(TILTS, tilted, strict=True)
-        )
-        return [
-            (name, getattr(self, name) * reflection + 0.0, directions[name]) for name in self.order
-        ]
+        yaw, roll = np.array([self.yaw_direction, self.roll_direction]) * reflection + 0.0
+        axes = {"hip_yaw": yaw, "hip_roll": roll, "hip_pitch": np.array([0.0, 1.0, 0.0])}
+        return [(name, getattr(self, name) * reflection + 0.0, axes[name]) for name in self.order]
 
     @property
     def below_pitch(self) -> np.ndarray:

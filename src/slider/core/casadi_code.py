@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,18 +27,12 @@ from slider.core.job import Job
 
 Functions = dict[str, ca.Function]
 """By name."""
+Source = Callable[[Any, Callable[[], Functions]], Functions]
+"""Gives functions that depend on facts alone, plain values; the second argument makes them."""
 
 _FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
 _PATIENCE = 300.0  # of a compilation [s]
 _SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
-
-
-class Source(Protocol):
-    """Where functions come from."""
-
-    def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
-        """Functions that depend on ``facts`` alone, plain values; ``derive`` makes them."""
-        ...
 
 
 def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:

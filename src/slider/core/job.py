@@ -39,10 +39,6 @@ class NoTracker(Tracker):
     """Records nothing."""
 
 
-def _silent(message: str) -> None:
-    """Drop a progress line."""
-
-
 @dataclass(frozen=True)
 class Job:
     """Surroundings of one stage.
@@ -64,7 +60,7 @@ class Job:
     work: Path
     threads: int = 1
     tracker: Tracker = field(default_factory=NoTracker)
-    progress: Callable[[str], None] = _silent
+    progress: Callable[[str], None] = lambda _: None
     volatile: dict[str, Any] = field(default_factory=dict)
     cache: Path | None = None
     waiting: int = 1

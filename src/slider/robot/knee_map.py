@@ -6,6 +6,7 @@ and velocities are off, and its velocities are not the derivatives of its positi
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,7 @@ Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Positions and their first and second derivatives (..., 10) [rad, m]."""
 
 
-@dataclass(frozen=True)
-class SagittalLeg:
+class SagittalLeg(NamedTuple):
     """Hip pitch α, leg length l and ankle β of the prismatic leg.
 
     Positions [rad], [m], [rad]; velocities [rad/s], [m/s], [rad/s]; all of one shape.
@@ -123,9 +123,9 @@ def prismatic_joints(
     position, velocity = q.copy(), v.copy()
     place = positions(q[_PITCH], q[_KNEE], q[_ANKLE], *lengths, variant)
     rate = velocities(v[_PITCH], q[_KNEE], v[_KNEE], v[_ANKLE], *lengths, variant)
-    position[_PITCH], position[_ANKLE] = place.hip_pitch, place.ankle
-    position[_KNEE] = place.length - robot.geometry.leg_length
-    velocity[_PITCH], velocity[_KNEE], velocity[_ANKLE] = rate.hip_pitch, rate.length, rate.ankle
+    position[_PITCH], position[_KNEE], position[_ANKLE] = place
+    velocity[_PITCH], velocity[_KNEE], velocity[_ANKLE] = rate
+    position[_KNEE] -= robot.geometry.leg_length
     return with_upper_feet(position), with_upper_feet(velocity)
 
 

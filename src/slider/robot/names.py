@@ -36,9 +36,8 @@ def knee_joint_names(geometry: Geometry) -> tuple[str, ...]:
     return _both((*geometry.axes.order, "knee", "ankle"))
 
 
-def _both(leg: Iterable[str]) -> tuple[str, ...]:
-    names = tuple(leg)
-    return tuple(f"{side}_{name}" for side in SIDES for name in names)
+def _both(leg: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{side}_{name}" for side in SIDES for name in leg)
 
 
 def mirror_sign(geometry: Geometry) -> tuple[float, ...]:

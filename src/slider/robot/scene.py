@@ -122,14 +122,12 @@ def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
 
 def _complete_leg(spec: mujoco.MjSpec, geometry: Geometry, side: str, lateral: float) -> None:
     """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
-    x, y, z = geometry.knee or (0.0, 0.0, 0.0)
-    end = [-x, -lateral * y, -geometry.leg_length - z]
-    height = geometry.foot_radius - geometry.ankle_height
+    *hip, _, ankle = geometry.leg(lateral)
+    end, height = ankle.place, geometry.foot_radius - geometry.ankle_height
     lines = [(f"{side}_slide", geometry.tube_radius, [*end[:2], end[2] + 0.05, *end])]
-    hip = geometry.axes.chain(lateral)
-    for (above, _, _), (_, place, _) in pairwise(hip):
-        if place.any():
-            lines.append((f"{side}_{above}", 0.02, [0, 0, 0, *place]))
+    for above, joint in pairwise(hip):
+        if joint.place.any():
+            lines.append((f"{side}_{above.name}", 0.02, [0, 0, 0, *joint.place]))
     lines.append((names.foot(side), 0.011, [0, 0, 0, 0, 0, height]))
     for body, radius, line in lines:
         spec.body(body).add_geom(

@@ -42,9 +42,8 @@ def leg_inertia(robot: Mechanism) -> np.ndarray:
     """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
     matrix = leg_matrix(robot.capstan)
     rotors = np.array([drive.inertia for drive in by_motor(robot, robot.drives)])
-    armatures = np.array(
-        [robot.joints[name].armature for name in robot.geometry.leg_joints[:LEG_MOTORS]]
-    )
+    names = robot.geometry.leg_joints[:LEG_MOTORS]
+    armatures = [robot.joints[name].armature for name in names]
     return matrix.T @ (rotors[:, None] * matrix) + np.diag(armatures)
 
 

@@ -35,10 +35,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.keys is None:
         print(OmegaConf.to_yaml(OmegaConf.create(to_dict(config))), end="")
         return
-    rows = [
-        Entry._fields,
-        *matching(entries(config, parameter_types(config)), arguments.keys),
-    ]
+    rows = [Entry._fields, *matching(entries(config, parameter_types(config)), arguments.keys)]
     widths = [min(max(map(len, column)), _WIDEST) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(map(str.ljust, row, widths)).rstrip())

@@ -179,11 +179,11 @@ class PlantConfig(t.Group):
     """The part of an environment that does not depend on who controls the robot."""
 
     control_period: t.Positive[t.Seconds]
-    """time between two outputs of the policy"""
+    """time between two outputs of the policy; timestep × substeps"""
     physics: PhysicsConfig
     termination: TerminationConfig
     onboard: OnboardConfig | None = None
-    """what estimates the state that the controller receives; null: it receives the true one"""
+    """sensors and estimator; null where no controller receives their estimate"""
 
     @property
     def estimation(self) -> OnboardConfig | None:
@@ -191,22 +191,16 @@ class PlantConfig(t.Group):
         return self.onboard
 
 
-class EnvConfig(t.Group):
+class EnvConfig(PlantConfig, kw_only=True):
     """Observations and actions of a policy, and what ends an episode."""
 
-    control_period: t.Positive[t.Seconds]
-    """time between two outputs of the policy; timestep × substeps"""
-    physics: PhysicsConfig
     reference: ReferenceConfig
     action: ActionConfig
     observation: ObservationConfig
-    termination: TerminationConfig
     phase: PhaseConfig
     start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))
     sensing: Sensing = "true_state"
     """what agents receive: the true state, or its estimate from sensors on board"""
-    onboard: OnboardConfig | None = None
-    """not in the section of a stage that does not use it"""
 
     @property
     def estimation(self) -> OnboardConfig | None:

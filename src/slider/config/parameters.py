@@ -11,17 +11,11 @@ from slider.core.files import flatten
 
 
 class Parameter(NamedTuple):
-    """A number of the robot, or a vector that varies as a whole.
+    """A number of the robot, or a vector that varies as a whole."""
 
-    Attributes:
-        path: dotted, below ``robot``.
-        value: the numbers, one for a scalar.
-        provenance: tag of the longest matching path; empty without one.
-    """
-
-    path: str
-    value: tuple[float, ...]
-    provenance: str
+    path: str  # dotted, below ``robot``
+    value: tuple[float, ...]  # one number of a scalar
+    provenance: str  # tag of the longest matching path; empty without one
 
 
 def parameters(robot: RobotConfig) -> list[Parameter]:
@@ -41,11 +35,8 @@ def choose(
     items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
 ) -> list[Parameter]:
     """Parameters with one of the tags, at or below one of the paths if there are any."""
-    return [
-        item
-        for item in items
-        if item.provenance in tags and (not paths or any(_within(item.path, p) for p in paths))
-    ]
+    tagged = [item for item in items if item.provenance in tags]
+    return [item for item in tagged if not paths or any(_within(item.path, p) for p in paths)]
 
 
 def tag(tags: Mapping[str, str | None], path: str) -> str:

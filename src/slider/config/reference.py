@@ -62,14 +62,8 @@ def kind(hint: Any) -> Kind:
 
 def entries(config: Config, parameters: Mapping[str, Any]) -> list[Entry]:
     """Every key of a configuration, in its order; ``parameters`` has types of terms' parameters."""
-    result = []
-    for place, value, node, text in _leaves(config, _schema(Config), (), ""):
-        path = ".".join(place)
-        name, unit, bound = kind(parameters[path]) if path in parameters else _kind(node)
-        turning, _, linear = unit.partition("|")
-        unit = (linear or turning if _LINEAR in place else turning).strip()
-        result.append(Entry(path, name, unit, bound, _default(value), text))
-    return result
+    nodes = {path: _schema(hint) for path, hint in parameters.items()}
+    return list(_entries(config, _schema(Config), "", "", nodes))
 
 
 def matching(items: list[Entry], pattern: str) -> list[Entry]:
@@ -189,10 +183,10 @@ def _interval(node: dict[str, Any]) -> str:
     return f"{left}{least:g}, {most:g}{right}"
 
 
-def _leaves(
-    value: Any, node: dict[str, Any], place: tuple[str, ...], text: str
-) -> Iterator[tuple[tuple[str, ...], Any, dict[str, Any], str]]:
-    """Place, value, schema and meaning of each key at or below a place.
+def _entries(
+    value: Any, node: dict[str, Any], path: str, text: str, parameters: Mapping[str, Any]
+) -> Iterator[Entry]:
+    """Each key at or below a path.
 
     What has no meaning of its own has that of the group around it. The parameters of a term without
     any are no key.
@@ -200,7 +194,10 @@ def _leaves(
     group = is_dataclass(value)
     if not group and not (isinstance(value, dict) and value):
         if value != {}:
-            yield place, value, node, text
+            name, unit, bound = _kind(parameters.get(path, node))
+            turning, _, linear = unit.partition("|")
+            unit = (linear or turning if _LINEAR in path.split(".") else turning).strip()
+            yield Entry(path, name, unit, bound, _default(value), text)
         return
     for name, item in (vars(value) if group else value).items():
         below = (meaning(type(value), name) if group else "") or text
@@ -211,7 +208,7 @@ def _leaves(
             for option in _options(node)
             if (found := option.get("properties", {}).get(name) or option.get(_OTHERS))
         )
-        yield from _leaves(item, child, (*place, name), below)
+        yield from _entries(item, child, f"{path}.{name}".lstrip("."), below, parameters)
 
 
 def _default(value: Any) -> str:

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 from slider.config.control import ONBOARD, PAPER_LABELS, POLICY, POLICY_LABEL, SMOKE_AGENTS
 from slider.config.convert import from_dict, setting, to_dict, with_settings
-from slider.config.env import DisturbanceConfig, EnvConfig
-from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock
+from slider.config.env import EnvConfig
+from slider.config.evaluation import AXES, EvaluationConfig, GaugeConfig, SeedBlock
 from slider.config.gait import axis_size
 from slider.config.parameters import parameters
 from slider.config.robot import BELOW_HIP, HIP_JOINTS, LEAST_BEND, RobotConfig
@@ -38,10 +38,9 @@ def validate(config: Config) -> None:
     size = sum(sizes)
     require(size <= _MAX_GRID, "gait.grid", f"at most {_MAX_GRID} velocities", size)
     if config.robot.virtual_knee is None:  # gaits are in the leg's own coordinates
-        gait, expected = config.gait, "without robot.virtual_knee"
-        found = gait.kinematic_map
-        require(found == "exact", "gait.kinematic_map", f"exact {expected}", found)
-        require(gait.dynamics == "prismatic", "gait.dynamics", f"prismatic {expected}", "knee")
+        for name, value in ("kinematic_map", "exact"), ("dynamics", "prismatic"):
+            found, expected = getattr(config.gait, name), f"{value} without robot.virtual_knee"
+            require(found == value, f"gait.{name}", expected, found)
     elif config.gait.dynamics == "knee":  # virtual thigh and shank share a tube
         tube = config.robot.links.tube
         placed = (*tube.com[:2], *tube.products)
@@ -99,18 +98,15 @@ def _complete(key: str, names: Iterable[str], expected: Iterable[str]) -> None:
 
 def _robot(robot: RobotConfig) -> None:
     """Every joint and drive, legs that reach, tags of parameters."""
-    possible = robot.capstan is None or robot.geometry.knee is None
-    require(possible, "robot.capstan", "null where the leg has a knee", "one")
-    motors = dict.fromkeys(robot.leg_motors)
-    _complete("robot.joints", robot.joints, robot.geometry.leg_joints)
+    geometry, virtual, motors = robot.geometry, robot.virtual_knee, dict.fromkeys(robot.leg_motors)
+    for name in ("capstan", "virtual_knee"):
+        possible = geometry.knee is None or getattr(robot, name) is None
+        require(possible, f"robot.{name}", "null where the leg has a knee", "one")
+    _complete("robot.joints", robot.joints, geometry.leg_joints)
     _complete("robot.drives", robot.drives, motors)
     _complete("robot.gains", robot.gains, motors)
-    lateral = robot.geometry.hip[1]
-    expected = "a sum of y > 0 m: left hips are on the left"
+    lateral, expected = geometry.hip[1], "a sum of y > 0 m: left hips are on the left"
     require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
-    geometry, virtual = robot.geometry, robot.virtual_knee
-    possible = geometry.knee is None or virtual is None
-    require(possible, "robot.virtual_knee", "null where the leg has a knee", "one")
     if virtual is not None:
         expected = "null where hip_pitch is not the last of geometry.axes.order"
         require(geometry.axes.order[-1] == "hip_pitch", "robot.virtual_knee", expected, "one")
@@ -122,10 +118,10 @@ def _robot(robot: RobotConfig) -> None:
         bent = abs(x) >= LEAST_BEND * length and -length < z < 0.0
         expected = f"z between hip and ankle, x of {LEAST_BEND:.0%} of leg_length or more: bent"
         require(bent, "robot.geometry.knee", expected, list(geometry.knee))
-    axes = [f"geometry.axes.{name}" for name in vars(geometry.axes)]
-    paths = [f"{path}." for path in [item.path for item in parameters(robot)] + axes]
+    paths = [item.path for item in parameters(robot)]
+    paths += [f"geometry.axes.{name}" for name in vars(geometry.axes)]
     for group in robot.provenance:
-        tags_numbers = any(path.startswith(f"{group}.") for path in paths)
+        tags_numbers = any(f"{path}.".startswith(f"{group}.") for path in paths)
         require(tags_numbers, "robot.provenance", "keys below robot that hold numbers", group)
 
 
@@ -144,10 +140,11 @@ def _env(env: EnvConfig) -> None:
 
 
 def _disturbance(
-    disturbance: DisturbanceConfig, env: EnvConfig, key: str, curriculum: bool = True
+    owner: TrainConfig | EvaluationConfig | GaugeConfig, env: EnvConfig, key: str
 ) -> None:
-    """Times that the simulation can hit; only trainings have a ``curriculum``."""
-    possible = curriculum or not disturbance.terrain.curriculum
+    """Times that the simulation can hit; only trainings have a curriculum."""
+    disturbance, key = owner.disturbance, f"{key}.disturbance"
+    possible = isinstance(owner, TrainConfig) or not disturbance.terrain.curriculum
     require(possible, f"{key}.terrain.curriculum", "false outside trainings", "true")
     _multiple(f"{key}.delay.lower", disturbance.delay.lower, env.physics.timestep)
     _multiple(f"{key}.delay.upper", disturbance.delay.upper, env.physics.timestep)
@@ -167,7 +164,7 @@ def _trainings(config: Config) -> None:
                 expected = f"{own}, as train.walking.network has it"
                 require(other == own, f"{key}.network.{name}", expected, other)
         _train(train, config.env, key)
-        _disturbance(train.disturbance, config.env, f"{key}.disturbance")
+        _disturbance(train, config.env, key)
 
 
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
@@ -185,8 +182,8 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     expected = "none where env.phase.mirror shows the network left stance only"
     require(possible, f"{key}.ppo.symmetry", expected, train.ppo.symmetry)
     batch, mini_batches = train.robots * train.steps_per_iteration, train.ppo.mini_batches
-    size = "at least 2 samples (robots × steps_per_iteration)"
-    require(batch > 1, f"{key}.robots", size, batch)
+    expected = "at least 2 samples (robots × steps_per_iteration)"
+    require(batch > 1, f"{key}.robots", expected, batch)
     expected = f"1 to {batch} (robots × steps_per_iteration)"
     require(mini_batches <= batch, f"{key}.ppo.mini_batches", expected, mini_batches)
     selection = train.selection
@@ -238,7 +235,7 @@ def _protocol(protocol: EvaluationConfig, config: Config, key: str) -> None:
     for name in protocol.controllers:
         one_of(f"{key}.controllers", name.removesuffix(ONBOARD), (POLICY, *config.control))
     _warm_up(key, protocol.warm_up, protocol.duration, period)
-    _disturbance(protocol.disturbance, config.env, f"{key}.disturbance", curriculum=False)
+    _disturbance(protocol, config.env, key)
 
 
 def _gauge(config: Config) -> None:
@@ -256,7 +253,7 @@ def _gauge(config: Config) -> None:
         one_of(f"{key}.axes", axis, AXES)
     for index, delay in enumerate(gauge.scales.delay):
         _multiple(f"{key}.scales.delay[{index}]", delay, config.env.physics.timestep)
-    _disturbance(gauge.disturbance, config.env, f"{key}.disturbance", curriculum=False)
+    _disturbance(gauge, config.env, key)
     period, push = config.env.control_period, gauge.disturbance.push
     least = push.interval + push.duration if "push" in gauge.axes else period
     expected = f"at least {least:g} s, with a push" if "push" in gauge.axes else f"at least {least}"

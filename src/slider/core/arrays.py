@@ -34,10 +34,8 @@ def zeros(shape: tuple[int, ...] | int, like: Array) -> Array:
 def tensors(batch: T, like: Any) -> T:
     """Convert the NumPy arrays of a dataclass, and of dataclasses in it, to tensors.
 
-    Args:
-        batch: a dataclass.
-        like: a tensor; floats get its precision, everything its device. Where both agree already,
-            the tensors share the memory of the arrays.
+    Floats get the precision of ``like``, everything its device. Where both agree already, the
+    tensors share the memory of the arrays.
     """
     torch, converted = namespace(like), {}
     for field in fields(batch):  # type: ignore[arg-type]

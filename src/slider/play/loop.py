@@ -22,14 +22,8 @@ Show = Callable[[Frame], bool]
 class Control:
     """Velocity, pause, camera, and requests; written by one thread, read by another.
 
-    Args:
-        velocity: first commanded velocity.
-        top: highest speed [m/s].
-
-    Attributes:
-        velocity: vx, vy [m/s], yaw rate [rad/s].
-        limits: lowest and highest value of each of them.
-        paused: whether time stands still.
+    ``velocity`` is vx, vy [m/s], yaw rate [rad/s], each within its ``limits``; ``top`` is the
+    highest speed [m/s].
     """
 
     def __init__(self, velocity: Sequence[float], top: float) -> None:

@@ -49,11 +49,8 @@ class Scene:
 def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     """A policy on its own robot and in its own environment.
 
-    Args:
-        path: of the policy file.
-        config: its parts of robot and environment that differ from ``plain`` replace the policy's.
-        plain: the same configuration without overrides.
-        seed: of start and disturbance.
+    Parts of both by which ``config`` differs from ``plain``, which is without overrides, replace
+    the policy's.
 
     Raises:
         UserError: the policy is for other observations or actions.
@@ -74,8 +71,8 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
 def _changed(own: Section, asked: Section, plain: Section) -> Section:
     """Configuration of a policy's training, but for the parts that the overrides change."""
     names = [item.name for item in fields(own)]
-    parts = {name: getattr(asked, name) for name in names}
-    return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
+    changed = [name for name in names if getattr(asked, name) != getattr(plain, name)]
+    return replace(own, **{name: getattr(asked, name) for name in changed})
 
 
 def agent_scene(
@@ -116,14 +113,9 @@ def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
 
 
 class Simulation:
-    """One simulated robot and its controller, which start at rest.
+    """One simulated robot and its controller, which start at rest with ``evaluation.start``.
 
-    Args:
-        episode: of one robot.
-        period: between two frames [s].
-        config: ``evaluation.start`` is the noise of the starts.
-        robot: parameters of the robot that stands.
-        seed: of the starts.
+    ``period`` is the time between two frames [s].
     """
 
     def __init__(
@@ -169,18 +161,13 @@ def _smoke_agent(robot: RobotConfig, env: EnvConfig, seed: int, random: bool) ->
 
 
 class Replay:
-    """A gait of the library over and over, along its course.
-
-    Attributes:
-        velocity: of the gait nearest to the requested velocity (3,).
-    """
+    """The gait that is nearest to a velocity (3,) over and over, along its course."""
 
     terrain = None
 
     def __init__(self, library: GaitLibrary, velocity: Sequence[float], period: float) -> None:
         index = int(distances(library.velocities, velocity).argmin())
-        self.period = period
-        self.velocity = library.velocities[index]
+        self.period, self.velocity = period, library.velocities[index]
         durations = library.step_time[index]
         self._duration = float(durations.sum())
         first, second = (

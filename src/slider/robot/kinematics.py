@@ -52,12 +52,8 @@ def quaternion_from_tilt(roll: Array, pitch: Array) -> Array:
 def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Lowest points of heel and toe of both feet relative to the base origin, in world axes [m].
 
-    Args:
-        rotation: base to world (N, 3, 3).
-        joints: joint positions (N, 12).
-
-    Returns:
-        (N, 2, 2, 3): foot (left, right), end (heel, toe), coordinate.
+    They are (N, 2, 2, 3): foot, end, coordinate; of rotations (N, 3, 3), base to world, and joint
+    positions (N, 12).
     """
     legs = [_leg(geometry, rotation, joints, leg) for leg in range(2)]
     ends = [_ends(geometry, x.ankle, x.tube, joints, leg) for leg, x in enumerate(legs)]
@@ -89,10 +85,8 @@ def foot_motion(
 ) -> FootMotion:
     """Velocities of the feet's ends while the base origin rests.
 
-    Args:
-        rotation: base to world (N, 3, 3).
-        turning: angular velocity of the base (N, 3) [rad/s], world axes.
-        joints, rates: joint positions and velocities (N, 12).
+    ``turning`` (N, 3) is the angular velocity of the base [rad/s], world axes; joint positions and
+    velocities are (N, 12), ``rotation`` as in :func:`foot_ends`.
     """
     xp, count = namespace(joints), len(joints)
     positions, velocities = zeros((2, count, 2, 2, 3), joints)
@@ -130,16 +124,10 @@ def foot_motion(
 
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
-    """Hip, ankle, top of the tube, and ends of the upper foot, relative to the base origin [m].
+    """Points (N, 2, 5, 3) of both legs relative to the base origin, as :func:`foot_ends` [m].
 
-    Of a leg with a knee: hip, ankle, knee, and ends of the thigh.
-
-    Args:
-        rotation: base to world (N, 3, 3).
-        joints: joint positions (N, 12).
-
-    Returns:
-        (N, 2, 5, 3): foot (left, right); hip, ankle, top, back and front of the upper foot, world.
+    Hip, ankle, top of the tube, back and front end of the upper foot; of a leg with a knee: hip,
+    ankle, knee, and ends of the thigh.
     """
     xp, points = namespace(joints), zeros((len(joints), 2, 5, 3), joints)
     for leg in range(2):

@@ -30,40 +30,35 @@ class SagittalLeg(NamedTuple):
     ankle: np.ndarray
 
 
-class _Triangle:
-    """Hip, knee and ankle at flexion θ [rad]: the terms of eq. 1 and of its derivatives."""
+class _Triangle(NamedTuple):
+    """Hip, knee and ankle: the terms of eq. 1 and of its derivatives by the flexion θ.
 
-    def __init__(self, theta: np.ndarray, l1: float, l2: float) -> None:
-        self._l1, self._l2 = l1, l2
-        self._sine, self._cosine = np.sin(theta), np.cos(theta)
-        self.length = np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * self._cosine)
+    Attributes:
+        length: from hip to ankle [m].
+        shifts: angles of the thigh ahead of that line, of the shank behind it [rad].
+        rates, curvatures: first and second derivatives of both shifts and of the length.
+    """
 
-    @property
-    def shifts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Angles of the thigh ahead of the line from hip to ankle, of the shank behind it [rad]."""
-        l1, l2, sine, cosine = self._l1, self._l2, self._sine, self._cosine
-        return np.arctan2(l2 * sine, l1 + l2 * cosine), np.arctan2(l1 * sine, l2 + l1 * cosine)
+    length: np.ndarray
+    shifts: tuple[np.ndarray, np.ndarray]
+    rates: tuple[np.ndarray, np.ndarray, np.ndarray]
+    curvatures: tuple[np.ndarray, np.ndarray, np.ndarray]
 
-    @property
-    def rates(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Derivatives by θ of the shifts and of the length."""
-        l1, l2, cosine = self._l1, self._l2, self._cosine
-        hip = l2 * (l2 + l1 * cosine) / self.length**2
-        ankle = l1 * (l1 + l2 * cosine) / self.length**2
-        return hip, ankle, -l1 * l2 * self._sine / self.length
 
-    @property
-    def curvatures(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Derivatives by θ of the rates."""
-        l1, l2, sine, cosine, length = self._l1, self._l2, self._sine, self._cosine, self.length
-        shape = l1 * l2 * sine * (l2**2 - l1**2) / length**4
-        slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
-        return shape, -shape, slide
+def _triangle(theta: np.ndarray, l1: float, l2: float) -> _Triangle:
+    sine, cosine = np.sin(theta), np.cos(theta)
+    length = np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * cosine)
+    shifts = np.arctan2(l2 * sine, l1 + l2 * cosine), np.arctan2(l1 * sine, l2 + l1 * cosine)
+    hip, ankle = l2 * (l2 + l1 * cosine) / length**2, l1 * (l1 + l2 * cosine) / length**2
+    bend = l1 * l2 * sine * (l2**2 - l1**2) / length**4
+    slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
+    rates = hip, ankle, -l1 * l2 * sine / length
+    return _Triangle(length, shifts, rates, (bend, -bend, slide))
 
 
 def leg_length(theta: np.ndarray, l1: float, l2: float) -> np.ndarray:
     """Hip-ankle distance [m] at knee flexion θ [rad]."""
-    return _Triangle(theta, l1, l2).length
+    return _triangle(theta, l1, l2).length
 
 
 def positions(
@@ -75,7 +70,7 @@ def positions(
     variant: str = "exact",
 ) -> SagittalLeg:
     """Prismatic positions of a knee leg (eq. 1, left)."""
-    triangle = _Triangle(theta, l1, l2)
+    triangle = _triangle(theta, l1, l2)
     hip_shift, ankle_shift = triangle.shifts
     if variant == "paper":
         hip_shift, ankle_shift = l2 / triangle.length * theta, l1 / triangle.length * theta
@@ -86,7 +81,7 @@ def rates(
     theta: np.ndarray, l1: float, l2: float, variant: str = "exact"
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coefficients (a, b, c) of α̇ = α̇' − a θ̇, β̇ = β̇' − b θ̇, l̇ = c θ̇ (eq. 1, right)."""
-    triangle = _Triangle(theta, l1, l2)
+    triangle = _triangle(theta, l1, l2)
     if variant == "exact":
         return triangle.rates
     length, cosine = triangle.length, np.cos(theta)
@@ -158,7 +153,7 @@ def prismatic_motion(
         return q, v, a
     l1, l2 = lengths.thigh, lengths.shank
     position, rate, turn = q.copy(), v.copy(), a.copy()
-    triangle = _Triangle(q[_KNEE], l1, l2)
+    triangle = _triangle(q[_KNEE], l1, l2)
     shifts, slopes, bends = triangle.shifts, triangle.rates, triangle.curvatures
     position[_PITCH], position[_ANKLE] = q[_PITCH] - shifts[0], q[_ANKLE] - shifts[1]
     position[_KNEE] = triangle.length - lengths.nominal

@@ -32,16 +32,11 @@ def aim(camera: Any, name: str, distance: float) -> None:
 
 
 class Relief(NamedTuple):
-    """Heights of the ground on a grid, to look at.
+    """Heights of the ground on a grid, to look at [m]."""
 
-    Attributes:
-        heights: (rows along y, columns along x) [m].
-        x, y: first and last place of the columns, and of the rows [m].
-    """
-
-    heights: np.ndarray
-    x: tuple[float, float]
-    y: tuple[float, float]
+    heights: np.ndarray  # rows along y, columns along x
+    x: tuple[float, float]  # first and last place of the columns
+    y: tuple[float, float]  # of the rows
 
 
 def build_scene(
@@ -49,10 +44,8 @@ def build_scene(
 ) -> mujoco.MjModel:
     """Compile the robot with everything that makes it good to look at.
 
-    Args:
-        robot: parameters of the robot.
-        width, height: size of the largest picture rendered offscreen [pixel].
-        relief: ground in place of the flat floor.
+    ``width`` and ``height`` are those of the largest picture rendered offscreen [pixel]; a
+    ``relief`` takes the place of the flat floor.
     """
     spec = build_spec(robot, SimulationOptions())
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height

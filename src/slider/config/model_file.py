@@ -4,7 +4,7 @@ Frames are those of ``conf/robot``: parallel to the base's where joints are at z
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +12,17 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.model_tree import (
+    ABSENT,
     AXES,
     MAX_DIFFERENCE,
-    MIRROR,
-    Link,
     ModelTree,
+    Part,
     Roles,
     compiled,
     relative,
     rounded,
 )
-from slider.config.robot import LEAST_BEND, LINKS, TILTS
+from slider.config.robot import LEAST_BEND, LINKS, TILTS, Body
 from slider.core.errors import require
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
@@ -56,17 +56,15 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     """
     roles, model = from_dict(Roles, values, "robot.roles"), compiled(path)
     tree = ModelTree(model, roles)
-    left, right = (_Leg(tree.order, tree.has_knee, *tree.leg(side)) for side in range(2))
-    right = right.mirrored()
-    length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
+    left, right = tree.leg(0), tree.leg(1)
+    length = float(np.linalg.norm(left["ankle"].place - left["hip_pitch"].place))
     differences = {}
-    for name, place in left.places.items():
-        links = right.links[name], left.links[name]
-        differences[f"{LINKS[name]} links"] = links[0].difference(links[1], length)
-        apart = relative(right.places[name] - place, length)
-        turned = relative(right.directions[name] - left.directions[name], 1.0)
-        differences[f"{name} axes"] = max(apart, turned)
-        joints = [np.array(list(leg.joints[name].values())) for leg in (left, right)]
+    for name, part in left.items():
+        other = right[name]
+        differences[f"{LINKS[name]} links"] = _difference(other.body, part.body, length)
+        apart = relative(other.place - part.place, length)
+        differences[f"{name} axes"] = max(apart, relative(other.axis - part.axis, 1.0))
+        joints = [np.array(list(each.joint.values())) for each in (part, other)]
         size = np.maximum(*np.abs(joints)).clip(1e-9)
         what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
         differences[what] = relative((joints[1] - joints[0]) / size, 1.0)
@@ -76,85 +74,82 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     alike = roles.side is not None or difference <= MAX_DIFFERENCE
     require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
     leg = right if roles.side == "right" else left
-    lateral = leg.places["ankle"][1]
+    lateral = leg["ankle"].place[1]
     expected = "a left leg on the left, y > 0 (are left and right swapped?)"
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
-    base, offset = tree.base()
-    links = {"base": base.values(np.zeros(3)), **leg.described()}
-    robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
-    robot |= {"virtual_knee": None, "capstan": None} if leg.has_knee else {}
+    (base, offset), places = tree.base(), _origins(leg, tree.has_knee)
+    links = {"base": _values(base, np.zeros(3))} | dict.fromkeys(LINKS.values(), _LIGHT)
+    heavy = {name: part.body for name, part in leg.items() if part.body.mass > 0.0}
+    links |= {LINKS[name]: _values(body, places[name]) for name, body in heavy.items()}
+    joints = {name: part.joint for name, part in leg.items()}
+    joints |= {name: joint for name, joint in ABSENT.items() if name not in leg}
+    robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
+    robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
     return ModelFile(robot, tree.held(), (difference, worst), offset, tree.turned())
 
 
-@dataclass(frozen=True)
-class _Leg:
-    """A leg in the base's frame: places of its axes [m], links and joints by role."""
+def _geometry(
+    leg: Mapping[str, Part], places: Mapping[str, np.ndarray], tree: ModelTree
+) -> dict[str, Any]:
+    """Axes of the hip in the frames above, leg length, height of an upper foot."""
+    above, order = np.zeros(3), list(tree.order)
+    if "hip_yaw" not in order:
+        order.insert(order.index("hip_roll"), "hip_yaw")
+    axes: dict[str, Any] = {"order": order}
+    for name in order:
+        axes[name], above = rounded(places[name] - above), places[name]
+    for name in TILTS:
+        direction = leg[name].axis if name in leg else AXES[name]
+        axes[name.removeprefix("hip_") + "_direction"] = rounded(direction)
+    above = places["hip_pitch"]
+    reach = places["ankle"] - above
+    along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
+    expected = "an ankle below the pitch axis in the nominal pose"
+    found = f"{np.round(reach, 4).tolist()} m from it"
+    if reach[2] < 0.0:
+        turn = np.arctan2(reach[0], -reach[2])
+        found += f"; in roles.pose turn the hip by {turn:.4f} rad about y, the ankle back"
+    require(along, "robot.model", expected, found)
+    geometry = {"axes": axes, "leg_length": rounded(-reach[2])}
+    if tree.has_knee:
+        geometry["knee"] = rounded(places["slide"] - above)
+        geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
+        ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
+        found = f"a knee {ahead:.3f} m off the line from hip to ankle"
+        bent = ahead >= LEAST_BEND * geometry["leg_length"]
+        require(bent, "robot.roles.pose", expected, found)
+    if "upper_foot" in leg:
+        offset = places["upper_foot"] - above
+        expected = "an upper foot above the pitch axis in the nominal pose"
+        possible = float(np.abs(offset[:2]).max()) <= _MAX_OFFSET and offset[2] > 0.0
+        require(possible, "robot.model", expected, f"{np.round(offset, 4).tolist()} m from it")
+        geometry["upper_foot_height"] = rounded(offset[2])
+    return geometry
 
-    order: tuple[str, ...]
-    has_knee: bool
-    places: dict[str, np.ndarray]
-    directions: dict[str, np.ndarray]
-    links: dict[str, Link]
-    joints: dict[str, dict[str, float]]
 
-    def mirrored(self) -> "_Leg":
-        """The right leg as a left one; its joints' ranges are those of ``ModelTree.leg``."""
-        places = {name: place * MIRROR for name, place in self.places.items()}
-        links = {name: link.mirrored() for name, link in self.links.items()}
-        axes = self.directions.items()
-        directions = {name: axis * MIRROR if name in TILTS else axis for name, axis in axes}
-        return replace(self, places=places, directions=directions, links=links)
+def _origins(leg: Mapping[str, Part], has_knee: bool) -> dict[str, np.ndarray]:
+    """Of the joints' frames; a slide's is the pitch's, whose y, as a knee's, is the ankle's.
 
-    def geometry(self) -> dict[str, Any]:
-        """Axes of the hip in the frames above, leg length, height of an upper foot."""
-        places, above, order = self.origins(), np.zeros(3), list(self.order)
-        if "hip_yaw" not in order:
-            order.insert(order.index("hip_roll"), "hip_yaw")
-        axes: dict[str, Any] = {"order": order}
-        for name in order:
-            axes[name], above = rounded(places[name] - above), places[name]
-        for name in TILTS:
-            direction = self.directions.get(name, AXES[name])
-            axes[name.removeprefix("hip_") + "_direction"] = rounded(direction)
-        above = places["hip_pitch"]
-        reach = places["ankle"] - above
-        along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
-        expected = "an ankle below the pitch axis in the nominal pose"
-        found = f"{np.round(reach, 4).tolist()} m from it"
-        if reach[2] < 0.0:
-            turn = np.arctan2(reach[0], -reach[2])
-            found += f"; in roles.pose turn the hip by {turn:.4f} rad about y, the ankle back"
-        require(along, "robot.model", expected, found)
-        geometry = {"axes": axes, "leg_length": rounded(-reach[2])}
-        if self.has_knee:
-            geometry["knee"] = rounded(places["slide"] - above)
-            geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
-            ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
-            found = f"a knee {ahead:.3f} m off the line from hip to ankle"
-            bent = ahead >= LEAST_BEND * geometry["leg_length"]
-            require(bent, "robot.roles.pose", expected, found)
-        if "upper_foot" in places:
-            offset = places["upper_foot"] - above
-            expected = "an upper foot above the pitch axis in the nominal pose"
-            possible = float(np.abs(offset[:2]).max()) <= _MAX_OFFSET and offset[2] > 0.0
-            require(possible, "robot.model", expected, f"{np.round(offset, 4).tolist()} m from it")
-            geometry["upper_foot_height"] = rounded(places["upper_foot"][2] - above[2])
-        return geometry
+    The yaw of a machine that lacks it is on the roll axis.
+    """
+    places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
+    for name in ("hip_pitch", "slide"):  # an axis is along y: no matter where on it
+        x, _, z = places[name if has_knee else "hip_pitch"]
+        places[name] = np.array([x, places["ankle"][1], z])
+    return places
 
-    def described(self) -> dict[str, Any]:
-        """Links in the frames of their joints; light ones where there is no mass."""
-        places = self.origins()
-        heavy = {name: link for name, link in self.links.items() if link.mass > 0.0}
-        described = {LINKS[name]: link.values(places[name]) for name, link in heavy.items()}
-        return dict.fromkeys(LINKS.values(), _LIGHT) | described
 
-    def origins(self) -> dict[str, np.ndarray]:
-        """Of the joints' frames; a slide's is the pitch's, whose y, as a knee's, is the ankle's.
+def _difference(link: Body, other: Body, length: float) -> float:
+    """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
+    if link.mass == other.mass == 0.0:
+        return 0.0
+    scale = max(link.mass, other.mass), length, np.abs(link.inertia).max()
+    parts = link.mass - other.mass, link.com - other.com, link.inertia - other.inertia
+    return max(relative(part, size) for part, size in zip(parts, scale, strict=True))
 
-        The yaw of a machine that lacks it is on the roll axis.
-        """
-        places = {"hip_yaw": self.places["hip_roll"]} | self.places
-        for name in ("hip_pitch", "slide"):  # an axis is along y: no matter where on it
-            x, _, z = places[name if self.has_knee else "hip_pitch"]
-            places[name] = np.array([x, places["ankle"][1], z])
-        return places
+
+def _values(link: Body, origin: np.ndarray) -> dict[str, Any]:
+    """As in ``conf/robot``, about ``origin`` (3,) [m]."""
+    moments, products = np.diag(link.inertia), link.inertia[[0, 0, 1], [1, 2, 2]]
+    values = {"mass": link.mass, "com": link.com - origin, "inertia": moments}
+    return {name: rounded(value) for name, value in (values | {"products": products}).items()}

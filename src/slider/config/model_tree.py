@@ -7,20 +7,24 @@ Joints without a role are held, and their bodies are welded to the link above.
 # pyright: reportAttributeAccessIssue=false
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import mujoco
 import numpy as np
 
 from slider.config import types as t
-from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, TILTS
+from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, MIRROR, TILTS, Body
 from slider.core.errors import UserError, require
 
 _KNEE = "knee"
-ABSENT = ("hip_yaw", "upper_foot")
-"""Joints that a machine may lack: a light link and a narrow range take their place."""
+_NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
+ABSENT = {
+    "hip_yaw": _NARROW | {"armature": 0.0},
+    "upper_foot": _NARROW | {"armature": 0.001},
+}
+"""Joints that a machine may lack, and the narrow ones of light links that take their place."""
 AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
     "hip_yaw": (0.0, 0.0, 1.0),
     "hip_roll": (1.0, 0.0, 0.0),
@@ -28,9 +32,6 @@ AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
-_NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
-_ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
-MIRROR = np.array([1.0, -1.0, 1.0])
 _MAX_TILT = 1e-3  # of an axis against the frame's [rad]
 _MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
 _MAX_SIZE = 2_000_000  # of a model file, whose parsing time grows with the square of it [bytes]
@@ -53,31 +54,13 @@ class Roles(t.Group):
     side: Literal["left", "right"] | None = None
 
 
-@dataclass(frozen=True)
-class Link:
-    """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it, axes of the base."""
+class Part(NamedTuple):
+    """A driven joint in the base's frame: place [m] and axis (3,); what it moves; its range."""
 
-    mass: float
-    com: np.ndarray
-    inertia: np.ndarray
-
-    def mirrored(self) -> "Link":
-        """The link of the other side."""
-        return Link(self.mass, self.com * MIRROR, self.inertia * np.outer(MIRROR, MIRROR))
-
-    def difference(self, other: "Link", length: float) -> float:
-        """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
-        if self.mass == other.mass == 0.0:
-            return 0.0
-        scale = max(self.mass, other.mass), length, np.abs(self.inertia).max()
-        parts = self.mass - other.mass, self.com - other.com, self.inertia - other.inertia
-        return max(relative(part, size) for part, size in zip(parts, scale, strict=True))
-
-    def values(self, origin: np.ndarray) -> dict[str, Any]:
-        """As in ``conf/robot``, about ``origin`` (3,) [m]."""
-        moments, products = np.diag(self.inertia), self.inertia[[0, 0, 1], [1, 2, 2]]
-        values = {"mass": self.mass, "com": self.com - origin, "inertia": moments}
-        return {name: rounded(value) for name, value in (values | {"products": products}).items()}
+    place: np.ndarray
+    axis: np.ndarray
+    body: Body
+    joint: dict[str, float]
 
 
 class ModelTree:
@@ -152,29 +135,31 @@ class ModelTree:
         """Left and right joint of a role."""
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
 
-    def leg(self, side: int) -> tuple[dict[str, Any], ...]:
-        """By role, of a side's leg: places [m] and directions of axes, links, ranges of joints."""
-        places, directions, links, joints = {}, {}, {}, {}
+    def leg(self, side: int) -> dict[str, Part]:
+        """Parts of a side's leg by role; those of the right leg as of a left one."""
+        parts = {}
         for name, pair in self._joints.items():
-            places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
-            links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
-            joints[name], directions[name] = self._joint(name, side)
-        absent = [name for name in ABSENT if name not in joints]
-        joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
-        return places, directions, links, joints
+            place = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
+            body = self._joined(np.flatnonzero(self._owners == pair[side]))
+            joint, axis = self._joint(name, side)
+            if side == 1:
+                place, body = place * MIRROR, body.reflected
+                axis = axis * MIRROR if name in TILTS else axis
+            parts[name] = Part(place, axis, body, joint)
+        return parts
 
-    def base(self) -> tuple[Link, float]:
+    def base(self) -> tuple[Body, float]:
         """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
         expected = f"a base whose centre has y = 0 within {_MAX_LATERAL} m"
         lateral = base.com[1]
         require(abs(lateral) <= _MAX_LATERAL, "robot.model", expected, f"{lateral:.4f} m")
-        skewed = relative(base.inertia - base.mirrored().inertia, np.abs(base.inertia).max())
+        skewed = relative(base.inertia - base.reflected.inertia, np.abs(base.inertia).max())
         expected = f"a base with Ixy = Iyz = 0 within {MAX_DIFFERENCE:.0%} of its moments"
         found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
         require(skewed <= 2 * MAX_DIFFERENCE, "robot.model", expected, found)
-        symmetric = (base.inertia + base.mirrored().inertia) / 2
-        return Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
+        symmetric = (base.inertia + base.reflected.inertia) / 2
+        return Body(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
         """Joints without a role, each with those below it, and the mass that they carry [kg]."""
@@ -239,7 +224,7 @@ class ModelTree:
         require(bool(turn <= most), key, expected, found)
         return (along if turn <= _MAX_TILT else sign * axis), sign
 
-    def _joined(self, bodies: np.ndarray) -> Link:
+    def _joined(self, bodies: np.ndarray) -> Body:
         """Bodies as one, in the base's frame."""
         model, data = self._model, self._data
         masses = model.body_mass[bodies]
@@ -252,7 +237,7 @@ class ModelTree:
             inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T
             spread = (place @ place) * np.eye(3) - np.outer(place, place)
             inertia += model.body_mass[body] * spread
-        return Link(mass, com, inertia)
+        return Body(mass, com, inertia)
 
 
 def compiled(path: Path) -> mujoco.MjModel:

@@ -3,7 +3,7 @@
 Values and their provenance live in ``conf/robot``.
 """
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
@@ -33,6 +33,25 @@ def leg_scale(leg_length: float) -> float:
     return leg_length / 0.64
 
 
+MIRROR = np.array([1.0, -1.0, 1.0])
+"""Reflection at the sagittal plane."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) [kg m²] about it."""
+
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+
+    @property
+    def reflected(self) -> "Body":
+        """The body of the other side; + 0.0 leaves no −0."""
+        turned = self.inertia * np.outer(MIRROR, MIRROR)
+        return Body(self.mass, self.com * MIRROR + 0.0, turned + 0.0)
+
+
 class Link(t.Group):
     """A rigid body."""
 
@@ -57,11 +76,11 @@ def _is_rigid(link: Link) -> bool:
     return moments[0] > 0.0 and 2 * moments[-1] <= moments.sum() * (1 + 1e-9)
 
 
-_Body = Annotated[
+_Rigid = Annotated[
     Link, t.Rule("positive principal moments, none above the sum of the others", _is_rigid)
 ]
 _Base = Annotated[
-    _Body,
+    _Rigid,
     t.Rule(
         "y, Ixy and Iyz of 0: left and right are alike",
         lambda link: link.com[1] == link.products[0] == link.products[2] == 0.0,
@@ -73,12 +92,12 @@ class Links(t.Group):
     """The bodies of the prismatic model; all but the base exist once per leg."""
 
     base: _Base
-    yaw: _Body
-    roll: _Body
-    pitch: _Body
-    tube: _Body
-    foot: _Body
-    upper_foot: _Body
+    yaw: _Rigid
+    roll: _Rigid
+    pitch: _Rigid
+    tube: _Rigid
+    foot: _Rigid
+    upper_foot: _Rigid
 
 
 _Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)

@@ -6,34 +6,14 @@ tube. In the virtual-knee leg the tube's mass is split between virtual thigh and
 the leg's centre of mass at the nominal length, seen along the leg, is that of the prismatic leg.
 The upper foot moves with the thigh. The leg's inertia about the hip is then a third larger than the
 prismatic leg's, as the virtual knee sticks out. Reflected inertias are not part of this leg.
+Bodies are those of a left leg, each in the frame of its joint on the side of the hip.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from slider.config.robot import Link, Mechanism
-
-_REFLECTION = np.array([1.0, -1.0, 1.0])  # at the sagittal plane
-
-
-@dataclass(frozen=True)
-class Body:
-    """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) [kg m²] about it; of a left leg.
-
-    The frame's origin is the joint on the side of the hip.
-    """
-
-    mass: float
-    com: np.ndarray
-    inertia: np.ndarray
-
-    @property
-    def reflected(self) -> "Body":
-        """The right leg's; + 0.0 leaves no −0."""
-        turned = self.inertia * np.outer(_REFLECTION, _REFLECTION)
-        return Body(self.mass, self.com * _REFLECTION + 0.0, turned + 0.0)
+from slider.config.robot import Body, Link, Mechanism
 
 
 def own_bodies(robot: Mechanism) -> dict[str, Body]:

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> None:
     model = build_model(robot, SimulationOptions())
     data = mujoco.MjData(model)  # all joints at zero
     mujoco.mj_forward(model, data)
-    print("\n".join(_lines(robot, data, *(read_option(arguments.robot) or (None, None)))))
+    print("\n".join(_lines(robot, data, *read_option(arguments.robot))))
     if picture is not None:
         _draw(robot, data, picture)
         print(f"{picture} is ready")

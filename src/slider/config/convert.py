@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from slider.core.errors import UserError
+from slider.core.files import flatten
 
 T = TypeVar("T")
 _LONGEST = 100  # characters of a value in a message
@@ -38,9 +39,7 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
 
 def setting(values: Mapping[str, Any], name: str) -> float | None:
     """The number at a dotted name of nested values, None without one."""
-    value: Any = values
-    for part in name.split("."):
-        value = value.get(part) if isinstance(value, Mapping) else None
+    value = flatten(values).get(name)
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return value if number else None
 

@@ -78,15 +78,13 @@ def without_absent(robot: Any) -> None:
             robot[name] = kept
 
 
-def read_option(option: str) -> "tuple[ModelFile | None, set[str]] | None":
+def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
     """What the model file of ``robot=option`` gives, if it is a file that names one.
 
-    Returns:
-        That, and the dotted keys of all values that file and model give; None where the option is
-        one of ``conf/robot``.
+    Also the dotted keys of all values that both give; None of an option of ``conf/robot``.
     """
     if (path := _path(f"robot={option}")) is None:
-        return None
+        return None, None
     node = _content(path)
     model = _model(node, path)
     given = flatten(model.values) if model else {}

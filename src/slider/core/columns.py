@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.errors import UserError
+from slider.core.errors import require
 
 Columns = dict[str, np.ndarray]
 
@@ -24,8 +24,8 @@ def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) ->
     """
     names = tuple(expected)
     header, *rows = path.read_text(encoding="utf-8").splitlines()
-    if names and tuple(header.split(",")) != names:
-        raise UserError(f"{path}: expected the columns {','.join(names)}, found {header}")
+    possible = not names or tuple(header.split(",")) == names
+    require(possible, str(path), f"the columns {','.join(names)}", header)
     values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])
     columns: Columns = dict(zip(header.split(","), values.T, strict=True))
     return columns | {name: columns[name].astype(bool) for name in flags}

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.scenes import Scene
@@ -26,15 +26,12 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
         UserError: the robot falls, the motion is shorter than a walk, nothing can be rendered on
             this machine, or the name is not that of a WebP.
     """
-    if path.suffix.lower() != ".webp":
-        raise UserError(f"--film: expected a name that ends with .webp, found {path}")
+    require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
     length = _SECONDS if seconds is None else seconds
-    if length < _WALK:
-        raise UserError(f"--film: expected --seconds of at least {_WALK:g}, found {length:g}")
+    require(length >= _WALK, "--film", f"--seconds of at least {_WALK:g}", f"{length:g}")
     frames = loop.record(scene.motion, control, _WARM_UP + length)
-    if frames[-1].failed:
-        fall = f"it fell after {frames[-1].time:.2f} s"
-        raise UserError(f"expected {scene.title} to stay up, {fall}")
+    if (last := frames[-1]).failed:
+        raise UserError(f"expected {scene.title} to stay up, it fell after {last.time:.2f} s")
     shown = frames[:: round(1.0 / (_FRAME_RATE * scene.motion.period))]
     first = round(_WARM_UP * _FRAME_RATE)
     end = first + repeats_at(shown[first:])

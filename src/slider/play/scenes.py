@@ -19,7 +19,7 @@ from slider.config.schema import Config
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of, load_policy
-from slider.core.errors import UserError
+from slider.core.errors import one_of
 from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
@@ -85,8 +85,11 @@ def agent_scene(
     Raises:
         UserError: there is no agent of this name.
     """
+    one_of("agent", name, (POLICY, *config.control, *SMOKE_AGENTS))
     robot, env = config.robot, config.env
-    if name in config.control:
+    if name in SMOKE_AGENTS:
+        episode = _smoke_agent(robot, env, seed, random=name == "random")
+    else:
         plant, control, enforced = env.plant, config.control[name], None
         if isinstance(control, HzdControlConfig):
             enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
@@ -94,13 +97,8 @@ def agent_scene(
         physics = build_plant(robot, plant, control, 1, disturbance)
         controller = build_controller(robot, control, plant.physics, 1, enforced)
         episode = Episode(controller, physics, plant)
-    elif name in SMOKE_AGENTS:
-        episode = _smoke_agent(robot, env, seed, random=name == "random")
-    else:
-        agents = ", ".join((POLICY, *config.control, *SMOKE_AGENTS))
-        raise UserError(f"agent: expected one of {agents}, found {name}")
     motion = Simulation(episode, env.control_period, config, robot, seed)
-    kind = "controller" if name in config.control else "agent"
+    kind = "agent" if name in SMOKE_AGENTS else "controller"
     return Scene(f"{kind} {name}", robot, motion, config.speeds.top)
 
 

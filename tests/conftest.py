@@ -4,14 +4,17 @@ import copy
 import os
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from pipeline.stages import entries
+from slider.artefacts.recipe import Code
 from slider.artefacts.runner import limit_threads
 from slider.artefacts.store import Store
+from slider.cli import main
 from slider.config import compose as composing
 from slider.core import machine
 from tests import shared
@@ -77,6 +80,28 @@ def processor(monkeypatch):
     yield pretend
     monkeypatch.undo()
     machine.kernels.cache_clear()
+
+
+@pytest.fixture
+def refused(capsys) -> Callable[..., str]:
+    """Run a command that must fail, and give the one line that it says."""
+
+    def run(*arguments: str) -> str:
+        assert main([*arguments]) == 1
+        found = capsys.readouterr()
+        assert found.out == ""
+        (line,) = found.err.splitlines()
+        return line
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def constant_code():
+    """The same code for every stage, which takes no time to read."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
+        yield
 
 
 @pytest.fixture

@@ -33,4 +33,4 @@ def shared(function: F) -> F:
                 path.write_bytes(content)
             return pickle.loads(path.read_bytes())
 
-    return once  # pyright: ignore[reportReturnType]
+    return once

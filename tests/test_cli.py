@@ -25,9 +25,8 @@ def test_every_command_has_help_of_its_own(name, capsys):
     assert f"usage: slider {name}" in capsys.readouterr().out
 
 
-def test_an_unknown_command_names_those_of_people(capsys):
-    assert main(["walk"]) == 1
-    text = capsys.readouterr().err
+def test_an_unknown_command_names_those_of_people(refused):
+    text = refused("walk")
     assert text.startswith("slider: argument command: invalid choice: 'walk'")
     assert "publish" not in text
 
@@ -41,9 +40,8 @@ def test_an_unknown_command_names_those_of_people(capsys):
         ("results NOPAGE.md", "expected a page at NOPAGE.md: No such file or directory"),
     ],
 )
-def test_a_wrong_argument_is_one_line(arguments, line, capsys):
-    assert main(arguments.split()) == 1
-    assert capsys.readouterr().err == f"slider: {line}\n"
+def test_a_wrong_argument_is_one_line(arguments, line, refused):
+    assert refused(*arguments.split()) == f"slider: {line}"
 
 
 @pytest.mark.parametrize(
@@ -67,10 +65,9 @@ def test_no_kind_of_output_gives_a_trace(command):
         ("artefacts/a", "expected to write artefacts/a, found: Permission denied"),
     ],
 )
-def test_a_missing_right_is_one_line(monkeypatch, capsys, name, line):
+def test_a_missing_right_is_one_line(monkeypatch, refused, name, line):
     def fail(_):
         raise PermissionError(errno.EACCES, "Permission denied", name)
 
     monkeypatch.setattr("slider.commands.config.run", fail)
-    assert main(["config"]) == 1
-    assert capsys.readouterr().err == f"slider: {line}\n"
+    assert refused("config") == f"slider: {line}"

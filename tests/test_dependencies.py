@@ -15,7 +15,7 @@ from pipeline.stages import table1_jobs
 from pipeline.stages.entries import STAGES
 from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import closure, distribution
-from slider.config.compose import compose
+from tests.config.composed import composed
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -65,7 +65,7 @@ def test_what_is_imported_is_declared(folders, extras):
 
 def test_table_1_needs_no_extra():
     """`make table1` installs none."""
-    jobs = build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
+    jobs = build_plan(table1_jobs(composed())).jobs.values()
     stages = {job.stage for job in jobs}
     modules = [STAGES[stage].entry.partition(":")[0] for stage in stages]
     used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))

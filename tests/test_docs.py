@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.core.files import flatten
+from tests.config.composed import composed
 
 ROOT = Path(__file__).parents[1]
 ROBOT_PAGE = (ROOT / "docs/reference/robot.md").read_text()
@@ -18,7 +18,7 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def test_the_table_of_the_robot_is_the_configuration():
-    robot = to_dict(compose([], ROOT / "conf").robot)
+    robot = to_dict(composed().robot)
     provenance = robot.pop("provenance")
     robot.pop("name")
     expected = {}
@@ -33,13 +33,13 @@ def test_the_table_of_the_robot_is_the_configuration():
 
 
 def test_the_mass_is_that_of_the_links():
-    links = to_dict(compose([], ROOT / "conf").robot)["links"]
+    links = to_dict(composed().robot)["links"]
     mass = sum(link["mass"] * (1 if name == "base" else 2) for name, link in links.items())
     assert f"The total mass is {mass:.2f} kg." in ROBOT_PAGE
 
 
 def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
-    robot = compose([], ROOT / "conf").robot
+    robot = composed().robot
     motor, gains = robot.drives["capstan"], robot.gains["capstan"]
     r, n = robot.capstan.drum_radius, robot.capstan.foot_ratio
     for slide, ankle in (

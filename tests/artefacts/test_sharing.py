@@ -217,9 +217,14 @@ def test_what_is_damaged_here_stays_here(place, full, bare):
     assert verify(full) == Removed([], [])
 
 
-def command(store: Store, *arguments: str) -> int:
+def words(store: Store, *arguments: str) -> list[str]:
+    """Of a command about a store with a plan."""
     write_plan(PLAN, store.root / "plans")
-    return main(["store", "--artefacts", str(store.root), *arguments])
+    return ["store", "--artefacts", str(store.root), *arguments]
+
+
+def command(store: Store, *arguments: str) -> int:
+    return main(words(store, *arguments))
 
 
 @pytest.mark.parametrize(("action", "moment"), [("push", 1), ("push", 33), ("pull", 33)])
@@ -258,11 +263,7 @@ def test_the_command_says_what_travelled(place, full, bare, capsys):
         (["pull", "sftp://me:secret@host/x"], "expected a remote without a password"),
     ],
 )
-def test_bad_input_is_one_line(arguments, text, place, full, bare, capsys):
-    words = [word.replace("REMOTE", place.remote.url) for word in arguments]
-    assert command(full if words[0] == "push" else bare, *words) == 1
-    found = capsys.readouterr()
-    assert found.out == ""
-    assert text in found.err
-    assert found.err.count("\n") == 1
+def test_bad_input_is_one_line(arguments, text, place, bare, refused):
+    given = [word.replace("REMOTE", place.remote.url) for word in arguments]
+    assert text in refused(*words(bare, *given))
     assert not place.folder.exists()

@@ -31,12 +31,10 @@ def test_it_runs_with_the_default_configuration(tmp_path, capsys):
     assert re.search(r"^ +4 +[\d.]+ \(", shown, re.MULTILINE)
 
 
-@pytest.mark.parametrize(("option", "value"), [("--envs", "0"), ("--seconds", "nan")])
-def test_impossible_numbers_are_one_line(option, value, capsys):
-    assert main(["benchmark-training", option, value]) == 1
-    assert capsys.readouterr().err.startswith(f"slider: {option}: expected ")
-
-
-def test_without_a_library_it_says_how_to_make_one(tmp_path, capsys):
-    assert main(["benchmark-training", "--envs", "8", "--artefacts", str(tmp_path)]) == 1
-    assert "snakemake -j2 gait_library" in capsys.readouterr().err
+def test_bad_input_is_one_line(refused, tmp_path):
+    for arguments, message in (
+        (["--envs", "0"], "slider: --envs: expected "),
+        (["--seconds", "nan"], "slider: --seconds: expected "),
+        (["--envs", "8", "--artefacts", str(tmp_path)], "snakemake -j2 gait_library"),
+    ):
+        assert message in refused("benchmark-training", *arguments)

@@ -11,14 +11,14 @@ from tests.artefacts.samples import compute, damage
 JOB = JobSpec("gait", "a gait", Code("slider.none:run", "abc", {}), {"value": 1})
 
 
-def test_a_recipe_that_does_not_fit_its_job_is_refused(tmp_path, capsys):
+def test_a_recipe_that_does_not_fit_its_job_is_refused(tmp_path, refused):
     path = write_plan(build_plan({"table1": JOB}), tmp_path)
     other = "0" * 64
     text = path.read_text().strip().replace(JOB.recipe, other)
     named = path.with_stem(files.digest_text(text))
     named.write_text(text)
-    assert main(["run", other, "--plan", str(named), "--artefacts", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == f"slider: expected a recipe of {named}, found {other}\n"
+    line = refused("run", other, "--plan", str(named), "--artefacts", str(tmp_path))
+    assert line == f"slider: expected a recipe of {named}, found {other}"
 
 
 @pytest.mark.parametrize("damaged", [False, True])

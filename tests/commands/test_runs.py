@@ -6,21 +6,16 @@ from contextlib import closing
 
 import pytest
 
-from slider.cli import main
-
 
 @pytest.mark.parametrize("content", [None, b"", b"no database"])
-def test_without_runs_it_is_one_line(tmp_path, capsys, content):
+def test_without_runs_it_is_one_line(tmp_path, refused, content):
     if content is not None:
         (tmp_path / "mlflow.db").write_bytes(content)
-    assert main(["runs", "--artefacts", str(tmp_path)]) == 1
-    text = capsys.readouterr().err
-    assert text.startswith("slider: expected runs in ")
-    assert len(text.splitlines()) == 1
+    assert refused("runs", "--artefacts", str(tmp_path)).startswith("slider: expected runs in ")
     assert not (tmp_path / "mlflow.db").exists() or (tmp_path / "mlflow.db").read_bytes() == content
 
 
-def test_a_taken_port_is_one_line(tmp_path, capsys):
+def test_a_taken_port_is_one_line(tmp_path, refused):
     with closing(sqlite3.connect(tmp_path / "mlflow.db")) as database, database:
         database.execute("CREATE TABLE runs (run_uuid, experiment_id, start_time)")
         database.execute("CREATE TABLE tags (run_uuid, key)")
@@ -30,8 +25,5 @@ def test_a_taken_port_is_one_line(tmp_path, capsys):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        assert main(["runs", "--artefacts", str(tmp_path), "--port", str(port)]) == 1
-    found = capsys.readouterr()
-    assert found.out == ""
-    assert f"--port: expected a free port at 127.0.0.1, found {port}" in found.err
-    assert found.err.count("\n") == 1
+        line = refused("runs", "--artefacts", str(tmp_path), "--port", str(port))
+    assert f"--port: expected a free port at 127.0.0.1, found {port}" in line

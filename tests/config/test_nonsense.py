@@ -168,7 +168,7 @@ def replaced(node: Any, place: Place, value: Any) -> Any:
     if not place:
         return value
     copy = dict(node) if isinstance(node, dict) else list(node)
-    copy[place[0]] = replaced(copy[place[0]], place[1:], value)  # pyright: ignore
+    copy[place[0]] = replaced(copy[place[0]], place[1:], value)
     return copy
 
 

@@ -2,21 +2,14 @@
 
 import pytest
 
-from pipeline.stages import entries, table1_jobs
+from pipeline.stages import table1_jobs
 from pipeline.stages.evaluation import protocol_jobs
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import Code
 from tests.config.composed import CONF, composed
 
+pytestmark = pytest.mark.usefixtures("constant_code")
 FINETUNED = "finetuning=robust"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _constant_code():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
-        yield
 
 
 def drawn(reports: list[JobSpec]) -> set[int]:
@@ -45,7 +38,7 @@ def study(name: str, *overrides: str) -> JobSpec:
     return study_job(name, config, table1_jobs(config), overrides, CONF)
 
 
-@pytest.mark.parametrize("experiment", ["default", "paper", "smoke"])
+@pytest.mark.parametrize("experiment", ["default", "paper"])
 def test_no_reported_seed_is_chosen_by(experiment):
     """Of the others the validation knows the blocks, as below."""
     given = [f"experiment={experiment}"]
@@ -71,6 +64,4 @@ def test_one_value_moves_a_block():
     assert {moved.evaluation.seed, *(p.seed for p in moved.protocols.values())} == {50000}
     config = composed("seeds.final.first=20300")
     for name in ("seeds", "sensitivity"):
-        rollouts = config.study[name].evaluation
-        assert rollouts is not None
-        assert rollouts.seed == 20300
+        assert config.study[name].evaluation.seed == 20300

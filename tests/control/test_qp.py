@@ -1,8 +1,5 @@
 """The solver's answers meet the optimality conditions."""
 
-# daqp has no type stubs for its compiled part.
-# pyright: reportAttributeAccessIssue=false
-
 import daqp
 import numpy as np
 

@@ -1,11 +1,8 @@
 """Small inputs made by hand: a gait library, robot states, views and the configurations."""
 
-# pyright: reportAttributeAccessIssue=false
-
 import re
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -14,7 +11,6 @@ import torch
 import yaml
 from omegaconf import OmegaConf
 
-from slider.config.compose import compose
 from slider.config.convert import from_dict, to_dict, with_settings
 from slider.config.env import DisturbanceConfig, EnvConfig, OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
@@ -38,8 +34,8 @@ from slider.robot.names import (
     mirror_sign,
     motor_names,
 )
+from tests.config.composed import composed
 
-CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION = np.array(MIRROR_PERMUTATION)
 SAMPLES = 42
 STEP_TIME = 0.4
@@ -49,7 +45,7 @@ STEP_TIME = 0.4
 def config(*overrides: str) -> Config:
     """Composed by Hydra, which takes half a second, but for values of ``env`` alone."""
     own = [text for text in overrides if re.match(r"env\.(?!sensing)", text)]
-    whole = compose([text for text in overrides if text not in own], CONF)
+    whole = composed(*(text for text in overrides if text not in own))
     changes = dict(text.removeprefix("env.").split("=", 1) for text in own)
     changes = {name: yaml.safe_load(value) for name, value in changes.items()}
     return replace(whole, env=from_dict(EnvConfig, with_settings(to_dict(whole.env), changes)))

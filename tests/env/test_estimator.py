@@ -21,7 +21,6 @@ from tests.env.synthetic import JOINTS, config, disturbed_physics, make_view, ro
 from tests.robot.lopsided import kneed
 
 ONBOARD = config("experiment=test").env.onboard
-assert ONBOARD is not None
 NO_ERRORS = SensorsConfig(*[0.0] * 17)
 PERFECT = replace(ONBOARD, sensors=NO_ERRORS)
 COUNT = 3

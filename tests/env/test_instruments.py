@@ -1,7 +1,5 @@
 """Heels, toes and legs against kinematics, Jacobians and contacts; bounces by hand."""
 
-# pyright: reportAttributeAccessIssue=false
-
 import mujoco
 import numpy as np
 import pytest

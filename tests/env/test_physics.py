@@ -1,7 +1,5 @@
 """Batched physics against MuJoCo's own step, on any number of threads, with blow-ups."""
 
-# pyright: reportAttributeAccessIssue=false
-
 import mujoco
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Each robot is another one, by as much as the configuration says, and the physics feels it."""
 
-# pyright: reportAttributeAccessIssue=false
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Starts touch the ground, have the asked noise and stay within the joints' limits."""
 
-# pyright: reportAttributeAccessIssue=false
-
 from dataclasses import replace
 
 import mujoco

@@ -1,7 +1,5 @@
 """Frames and signs of the named quantities, against MuJoCo's own sensors and bodies."""
 
-# pyright: reportAttributeAccessIssue=false
-
 import mujoco
 import numpy as np
 import pytest

@@ -14,7 +14,6 @@ import torch
 import yaml
 
 from pipeline.entry import open_pipeline
-from slider.cli import main
 from slider.config.reference import kind
 from slider.control.layout import describe
 from slider.core.errors import UserError
@@ -22,8 +21,9 @@ from slider.env import observations, rewards, terminations
 from slider.env.declaration import Needs
 from slider.env.rewards import RewardView
 from slider.env.terms import check_clock, checked, uses_library
+from tests.config.composed import CONF
 from tests.control.policies import make_policy
-from tests.env.synthetic import CONF, config, make_guide, make_state, make_view, random_view
+from tests.env.synthetic import config, make_guide, make_state, make_view, random_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
@@ -127,10 +127,8 @@ def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
         ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
     ],
 )
-def test_every_mistake_is_one_line(override, message, capsys):
-    assert main(["config", override, "--conf", str(CONF)]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+def test_every_mistake_is_one_line(override, message, refused):
+    assert message in refused("config", override, "--conf", str(CONF))
 
 
 def test_no_plan_is_laid_out_with_a_mistake_in_a_variant(capsys, tmp_path, monkeypatch):

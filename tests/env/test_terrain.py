@@ -1,7 +1,5 @@
 """Terrain: closed forms, the boxes in MuJoCo, feet on them, starts, scan, guide and curriculum."""
 
-# pyright: reportAttributeAccessIssue=false
-
 from dataclasses import replace
 from functools import cache
 from typing import get_args
@@ -42,7 +40,6 @@ def on(*kinds: str, level: float = 5.0, more: tuple[str, ...] = (), **ends: floa
 
 
 def ground_of(physics: BatchedPhysics) -> UnevenGround:
-    assert physics.terrain is not None
     return physics.terrain.ground
 
 

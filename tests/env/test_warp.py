@@ -1,7 +1,5 @@
 """MuJoCo Warp on its CPU device against MuJoCo, with the same graphs as on CUDA."""
 
-# pyright: reportAttributeAccessIssue=false
-
 from contextlib import suppress
 from typing import Any
 

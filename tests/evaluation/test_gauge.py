@@ -61,7 +61,7 @@ def test_a_robot_passes_if_it_stays_up_and_covers_half_the_way():
         position=np.stack([np.stack([covered, 0 * covered], axis=1)] * 3),
         command=command,
     )
-    counts = count_passes(recording, protocol)  # pyright: ignore[reportArgumentType]
+    counts = count_passes(recording, protocol)
     np.testing.assert_array_equal(counts["survived"], [2, 1])
     np.testing.assert_array_equal(counts["passed"], [1, 0])
     np.testing.assert_allclose(counts["mean_velocity"], [0.105, 0.39])

@@ -9,7 +9,6 @@ import casadi as ca
 import numpy as np
 
 from pipeline.stages.gaits import gait_section
-from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.gait.formulation import Formulation, NodeSymbols
 from slider.gait.problem import GaitProblem, build
@@ -17,14 +16,14 @@ from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import NODE
 from tests import shared
+from tests.config.composed import composed
 
-CONF = Path(__file__).parents[2] / "conf"
 STEP_TIME = "gait.step_time.upper=0.42"  # that of the gaits whose numbers the tests have
 
 
 @cache
 def config() -> Config:
-    return compose([STEP_TIME], CONF)
+    return composed(STEP_TIME)
 
 
 @cache

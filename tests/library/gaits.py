@@ -7,17 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
+from tests.config.composed import composed
 
 SAMPLES, HALF = 42, 21
 SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
-CONF = Path(__file__).parents[2] / "conf"
 MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
-ROBOT = {name: to_dict(compose([], CONF).robot)[name] for name in MECHANISM}
+ROBOT = {name: to_dict(composed().robot)[name] for name in MECHANISM}
 Velocities = Sequence[tuple[float, ...]]  # vx, vy [m/s] and, if it is not zero, yaw rate [rad/s]
 SHAPES = {
     "samples": (SAMPLES, 26),

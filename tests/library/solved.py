@@ -5,21 +5,20 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from pipeline.stages.gaits import gait_library, gait_section
-from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
 from tests import shared
+from tests.config.composed import composed
 from tests.gait.gaits import STEP_TIME
-from tests.library.gaits import CONF
 
 Velocity = tuple[float, float, float]
 
 
 @cache
 def config(dynamics: str) -> Config:
-    return compose([STEP_TIME, f"gait.dynamics={dynamics}"], CONF)
+    return composed(STEP_TIME, f"gait.dynamics={dynamics}")
 
 
 @shared.shared

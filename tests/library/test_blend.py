@@ -65,7 +65,6 @@ def test_a_longer_step_counts_more_and_each_step_has_a_touchdown(gaits):
     samples[..., 24] = np.repeat([1.0, 2.0], HALF)
     changed = {"samples": samples, "step_time": np.tile([0.3, 0.1], (2, 1))}
     found = gait_numbers(replace(gaits, arrays={**gaits.arrays, **changed}), 0.5)
-    assert found is not None
     assert found.velocity_variance == pytest.approx(0.75 * 0.25**2 + 0.25 * 0.75**2)
     assert found.touchdown_rate == pytest.approx(2 / 0.4)
     assert [gait_numbers(gaits, vx) is None for vx in (-0.1, 1.0, 1.1)] == [True, False, True]

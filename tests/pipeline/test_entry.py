@@ -11,8 +11,7 @@ from snakemake.cli import parse_config
 from pipeline.entry import PLAN, open_pipeline, parse_overrides
 from slider.artefacts.run_metadata import config_option
 from slider.core.errors import UserError
-
-CONF = Path(__file__).parents[2] / "conf"
+from tests.config.composed import CONF
 
 
 @pytest.mark.parametrize(

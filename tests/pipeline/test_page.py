@@ -1,18 +1,13 @@
 """What the page needs, and how this machine renders its films."""
 
-from pathlib import Path
-
 import pytest
 
 from pipeline.stages import page
 from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
-from slider.cli import main
-from slider.config.compose import compose
 from slider.core.errors import UserError
 from slider.reports.sections import SECTIONS
-
-CONF = Path(__file__).parents[2] / "conf"
+from tests.config.composed import CONF, composed
 
 
 @pytest.mark.parametrize(
@@ -22,13 +17,13 @@ CONF = Path(__file__).parents[2] / "conf"
 def test_takes_the_first_that_works(devices, libraries, expected, monkeypatch):
     monkeypatch.setattr(page, "_egl_devices", lambda: devices)
     monkeypatch.setattr(page, "_load", lambda name: name if name in libraries else None)
-    config = page.with_renderer(compose(["experiment=test"], CONF))
+    config = page.with_renderer(composed("experiment=test"))
     assert config.report.video.renderer == expected
 
 
 def stages(*overrides):
     given = ["experiment=test", *overrides]
-    found = all_targets(compose(given, CONF), given, CONF)
+    found = all_targets(composed(*given), given, CONF)
     jobs = build_plan(found).jobs.values()
     return {job.stage for job in jobs}, found["report"]
 
@@ -58,13 +53,13 @@ def test_there_is_a_video_of_each_terrain_that_is_asked_for():
         (["~protocols.sweep", "report.sections=[sweep]"], "sweep", "sweep"),
     ],
 )
-def test_a_section_that_is_not_there_is_one_line(overrides, absent, found, capsys):
+def test_a_section_that_is_not_there_is_one_line(overrides, absent, found, refused):
     known = ", ".join(name for name in SECTIONS if name != absent)
     with pytest.raises(UserError) as error:
         stages(*overrides)
     assert str(error.value) == f"report.sections: expected one of {known}, found {found}"
-    assert main(["config", "experiment=test", *overrides, "--conf", str(CONF)]) == 1
-    assert capsys.readouterr().err == f"slider: {error.value}\n"
+    line = refused("config", "experiment=test", *overrides, "--conf", str(CONF))
+    assert line == f"slider: {error.value}"
 
 
 def test_a_section_pulls_in_what_it_declares():

@@ -2,33 +2,24 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from pathlib import Path
 
 import pytest
 
-from pipeline.stages import all_jobs, entries, table1_jobs
+from pipeline.stages import all_jobs, table1_jobs
 from pipeline.stages.evaluation import baseline_tuning, gauge_job, protocol_jobs
 from pipeline.stages.gaits import velocities
 from pipeline.stages.page import report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.recipe import Code
-from slider.config.compose import compose
 from slider.core import machine
 from slider.core.errors import UserError
+from tests.config.composed import CONF, composed
 
-CONF = Path(__file__).parents[2] / "conf"
+pytestmark = pytest.mark.usefixtures("constant_code")
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
 AFTER_STANDING = {"standing", "walking", "evaluation", "table1"}
 PROTOCOLS = {"sweep", "robust", "onboard", "joystick", "heldout"}
 AXES = {"slope_up", "delay", "push"}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _constant_code():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
-        yield
 
 
 @cache
@@ -39,7 +30,7 @@ def recipes(*overrides: str) -> dict[str, set[str]]:
 
 @cache
 def protocols(*overrides: str) -> dict[str, str]:
-    config = compose(["experiment=test", *overrides], CONF)
+    config = composed("experiment=test", *overrides)
     jobs = protocol_jobs(config, table1_jobs(config))
     return {name: job.recipe for name, job in jobs.items()}
 
@@ -98,7 +89,7 @@ def test_protocols_and_axes_depend_on_their_settings_and_the_policy(made, overri
 
 
 def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table_1():
-    plans = [build_plan(all_jobs(compose(o, CONF))) for o in ([], ["train.walking.seed=4"])]
+    plans = [build_plan(all_jobs(composed(*o))) for o in ([], ["train.walking.seed=4"])]
     assert plans[0].targets["policy_export"] != plans[1].targets["policy_export"]
     way = build_plan({"": plans[0].jobs[plans[0].targets["table1"]]}).jobs.values()
     assert "policy_export" not in {job.stage for job in way}
@@ -118,7 +109,7 @@ def test_a_case_is_a_job_that_does_not_know_of_the_others():
 
 def cases(*overrides: str) -> dict[str, str]:
     """Recipe of each case of the protocol ``heldout``."""
-    config = compose(["experiment=test", *overrides], CONF)
+    config = composed("experiment=test", *overrides)
     jobs = protocol_jobs(config, table1_jobs(config))["heldout"].inputs["evaluations"]
     return {job.section["case"]["name"]: job.recipe for job in jobs}
 
@@ -130,20 +121,20 @@ def test_a_wider_grid_keeps_its_gaits():
 
 
 def test_grids_share_their_velocities():
-    paper = velocities(compose(["gait/grid=paper"], CONF).gait.grid)
-    extended = velocities(compose(["gait/grid=extended"], CONF).gait.grid)
+    paper = velocities(composed("gait/grid=paper").gait.grid)
+    extended = velocities(composed("gait/grid=extended").gait.grid)
     assert len(paper) == len(set(paper)) == 125
     assert paper == sorted(paper)
     assert set(paper) < set(extended)
     assert (0.15, -0.05, 0.0) in paper  # exactly, not 0.15000000000000002
     assert not any(str(value) == "-0.0" for velocity in paper for value in velocity)
-    omni = velocities(compose(["gait/grid=omni"], CONF).gait.grid)
+    omni = velocities(composed("gait/grid=omni").gait.grid)
     assert len(omni) == 210
     assert {(-0.6, 0.3, -0.3), (1.2, -0.3, 0.3), (0.0, 0.0, 0.0)} < set(omni)
 
 
 def jobs_of(*overrides: str) -> dict[str, JobSpec]:
-    return table1_jobs(compose(["experiment=test", *overrides], CONF))
+    return table1_jobs(composed("experiment=test", *overrides))
 
 
 CONTROLLERS = "evaluation.controllers=[policy,hzd,mpc_wbc_tuned]"
@@ -152,7 +143,7 @@ CONTROLLERS = "evaluation.controllers=[policy,hzd,mpc_wbc_tuned]"
 def everything(*overrides: str) -> list[JobSpec]:
     """All jobs, those of studies and of the gauge included."""
     given = ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides]
-    config = compose(given, CONF)
+    config = composed(*given)
     targets = all_jobs(config)
     studies = [study_job("gait_starts", config, targets, given, CONF)]
     searches = baseline_tuning(config, targets)
@@ -220,7 +211,7 @@ def test_a_fine_tuning_follows_the_walking_training():
     assert tuned["walking"].recipe != plain["walking"].recipe
     for evaluation in tuned["table1"].inputs["evaluations"]:
         assert evaluation.inputs.get("walking", [tuned["walking"]]) == [tuned["walking"]]
-    config = compose(["experiment=test", "finetuning=robust", "report.video.renderer=none"], CONF)
+    config = composed("experiment=test", "finetuning=robust", "report.video.renderer=none")
     inputs = report(config, all_jobs(config)).inputs
     labels = [job.label for job in (*inputs["untuned"], *inputs["walking"])]
     assert labels == ["walking", "fine-tuning"]
@@ -228,15 +219,15 @@ def test_a_fine_tuning_follows_the_walking_training():
 
 def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
     with pytest.raises(UserError, match=r"evaluation\.controllers: expected none .* found hzd"):
-        table1_jobs(compose(["gait.dynamics=knee"], CONF))
-    jobs = table1_jobs(compose(["gait.dynamics=knee", "evaluation.controllers=[policy]"], CONF))
+        table1_jobs(composed("gait.dynamics=knee"))
+    jobs = table1_jobs(composed("gait.dynamics=knee", "evaluation.controllers=[policy]"))
     assert "table1" in jobs
     with pytest.raises(UserError, match=r"^gauge\.controllers: expected none .* found hzd"):
         gauge("experiment=paper", "gauge.controllers=[policy,hzd_onboard]")
 
 
 def gauge(*overrides: str) -> JobSpec:
-    config = compose(["experiment=test", *overrides], CONF)
+    config = composed("experiment=test", *overrides)
     return gauge_job(config, all_jobs(config))
 
 

@@ -5,30 +5,22 @@ from pathlib import Path
 import pytest
 
 from pipeline.entry import open_pipeline
-from pipeline.stages import entries, table1_jobs
+from pipeline.stages import table1_jobs
 from pipeline.studies import GAITS_ONLY, study_job
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.recipe import Code
-from slider.config.compose import compose
 from slider.config.parameters import choose, parameters, scaled
 from slider.core.errors import UserError
 from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
+from tests.config.composed import CONF, composed
 
-CONF = Path(__file__).parents[2] / "conf"
+pytestmark = pytest.mark.usefixtures("constant_code")
 TEST = "experiment=test"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _constant_code():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
-        yield
 
 
 def study(name: str, *overrides: str, experiment: str = TEST) -> JobSpec:
     given = [experiment, *overrides]
-    config = compose(given, CONF)
+    config = composed(*given)
     return study_job(name, config, table1_jobs(config), given, CONF)
 
 
@@ -71,7 +63,7 @@ def test_variants_train_on_as_many_samples_whatever_their_batch():
 
 
 def test_one_of_the_seeds_is_the_pipeline_s_own_policy():
-    own, seeds = table1_jobs(compose([], CONF)), study("seeds", experiment="experiment=default")
+    own, seeds = table1_jobs(composed()), study("seeds", experiment="experiment=default")
     assert own["walking"].recipe in {made.recipe for made in seeds.inputs["walking"]}
     rows = {made.recipe for made in own["table1"].inputs["evaluations"]}
     found = {made.recipe for made in seeds.inputs["evaluations"]}
@@ -86,7 +78,7 @@ def everything() -> JobSpec:
 
 
 def test_every_assumed_number_has_two_variants_and_zeros_have_no_job(everything):
-    assumed = choose(parameters(compose([TEST], CONF).robot), ["assumed"], [])
+    assumed = choose(parameters(composed(TEST).robot), ["assumed"], [])
     names, _, changes, notes = zip(*everything.section["variants"][1:], strict=True)
     assert [*names] == [f"{item.path}*{factor}" for item in assumed for factor in (0.8, 1.2)]
     zeros = {name.partition("*")[0] for name, note in zip(names, notes, strict=True) if note}
@@ -116,7 +108,7 @@ def test_a_job_differs_in_its_parameter_alone_and_is_shared_where_it_has_no_effe
 
 
 def test_the_simulated_robot_has_no_part_that_only_gaits_use():
-    robot = compose([], CONF).robot
+    robot = composed().robot
     options = SimulationOptions(0.005, 10, 10)
     before = build_spec(robot, options).to_xml()
     for item in parameters(robot):

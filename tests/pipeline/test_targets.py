@@ -1,24 +1,22 @@
 """Every target has its own name and files; when these are copied out of the store again."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from pipeline.targets import RULES, all_targets, marker_path, refresh_marker, report_files
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
-from slider.config.compose import compose
 from slider.core.errors import UserError
 from tests.artefacts.samples import compute
+from tests.config.composed import CONF, composed
 
-CONF = Path(__file__).parents[2] / "conf"
 SMALL = ["experiment=test", "report.sections=[table1]"]
 
 
 def targets(*overrides: str):
     given = [*SMALL, *overrides]
-    return all_targets(compose(given, CONF), given, CONF)
+    return all_targets(composed(*given), given, CONF)
 
 
 @pytest.mark.parametrize(
@@ -36,13 +34,13 @@ def test_rules_with_a_name_of_their_own_are_known():
     root = CONF.parent
     texts = [p.read_text() for p in (root / "Snakefile", *(root / "pipeline/rules").glob("*.smk"))]
     rules = {name for text in texts for name in re.findall(r"^rule (\w+):", text, re.M)}
-    assert {"all", "policy"} <= rules <= {*RULES, *report_files(compose(SMALL, CONF))}
+    assert {"all", "policy"} <= rules <= {*RULES, *report_files(composed(*SMALL))}
 
 
 def test_another_protocol_is_a_target_with_files_of_its_own():
     given = [*SMALL, "+protocols.mine=${protocols.sweep}"]
-    assert "mine" in all_targets(compose(given, CONF), given, CONF)
-    files = [file for files in report_files(compose(given, CONF)).values() for file in files]
+    assert "mine" in all_targets(composed(*given), given, CONF)
+    files = [file for files in report_files(composed(*given)).values() for file in files]
     assert {"reports/mine.csv", "reports/ablation_curves.csv"} <= {*files}
     assert len(files) == len(set(files))
 

@@ -13,7 +13,7 @@ from slider import cli
 from slider.env.rollout import Frame
 from slider.play import animation
 from slider.reports import film
-from tests.env.synthetic import CONF
+from tests.config.composed import CONF
 
 
 def frame(time: float, phase: float, failed: bool = False) -> Frame:

@@ -8,7 +8,7 @@ import pytest
 from slider.artefacts.run_metadata import note_start
 from slider.cli import main
 from slider.commands.play import add_arguments, choose
-from tests.env.synthetic import CONF
+from tests.config.composed import CONF
 
 
 def no_display(monkeypatch) -> None:

@@ -12,8 +12,8 @@ from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
 from slider.play import scenes
 from slider.play.scenes import Replay
+from tests.config.composed import CONF
 from tests.control.policies import write_policy
-from tests.env.synthetic import CONF
 
 SAMPLES = 10
 

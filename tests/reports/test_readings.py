@@ -3,26 +3,24 @@
 import re
 from functools import reduce
 from itertools import groupby
-from pathlib import Path
 from pkgutil import resolve_name
 
 from pipeline.targets import report_files
-from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.env import observations, rewards
 from slider.reports.contents import in_effect, readings
 from slider.reports.contents import read_statements as read
 from slider.reports.table import Table
+from tests.config.composed import CONF, composed
 from tests.reports.sources import sources
 
 HEADS = ["the paper says", "status", "here", "where"]
-ROOT = Path(__file__).parents[2]
-CONF = ROOT / "conf"
-CONFIG = compose([], CONF)
+ROOT = CONF.parent
+CONFIG = composed()
 REPORTS = {file for files in report_files(CONFIG).values() for file in files}
 REPORTS |= {f"reports/figures/solve_times.{suffix}" for suffix in ("svg", "md")}
 STATUSES = {"as printed", "read", "ours differs", "not done"}
-PAPER = compose(["experiment=paper"], CONF)
+PAPER = composed("experiment=paper")
 
 
 def cells(line: str) -> list[str]:
@@ -68,7 +66,7 @@ def _exists(place: str) -> bool:
     if place.startswith("slider."):
         return resolve_name(place) is not None
     if "=" in place:
-        return bool(compose([place], CONF))
+        return bool(composed(place))
     if "/" in place:
         return (CONF / place).is_dir()
     return place in {*rewards.TERMS, *observations.TERMS} or _is_key(place)

@@ -2,12 +2,11 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from slider.config.compose import compose
 from slider.config.robot import Drive, Gains, HipAxes, RobotConfig
+from tests.config.composed import CONF, composed
 
 HIP_Y = {"hip_yaw": 0.15, "hip_roll": 0.0, "hip_pitch": 0.0}  # [m]
 
@@ -18,7 +17,7 @@ def lopsided() -> RobotConfig:
 
     Slide and ankle have a motor each.
     """
-    robot, rng = compose([], Path(__file__).parents[2] / "conf").robot, np.random.default_rng(7)
+    robot, rng = composed().robot, np.random.default_rng(7)
     links = {"base": replace(robot.links.base, products=(0.0, 0.004, 0.0))}
     for name in ("yaw", "roll", "pitch", "tube", "foot", "upper_foot"):
         link = getattr(robot.links, name)
@@ -40,8 +39,7 @@ def lopsided() -> RobotConfig:
 @cache
 def kneed(name: str = "unitree_h1") -> RobotConfig:
     """A robot of the examples, by default Unitree's H1."""
-    folder = Path(__file__).parents[2]
-    return compose([f"robot={folder}/docs/examples/robots/{name}.yaml"], folder / "conf").robot
+    return composed(f"robot={CONF.parent}/docs/examples/robots/{name}.yaml").robot
 
 
 @cache

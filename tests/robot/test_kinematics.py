@@ -1,13 +1,11 @@
 """Turns about the vertical by hand; feet and legs against MuJoCo."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-from slider.config.compose import compose
 from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
@@ -24,9 +22,10 @@ from slider.robot.kinematics import (
     yaw_of,
 )
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from tests.config.composed import composed
 from tests.robot.lopsided import kneed, lopsided, turned
 
-ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
+ROBOT = composed().robot
 ROBOTS = pytest.mark.parametrize(
     "robot",
     [ROBOT, lopsided(), kneed(), turned(False), turned(True)],

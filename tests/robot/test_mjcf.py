@@ -1,19 +1,17 @@
 """The prismatic MuJoCo model and its kinematics."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
 
-from slider.config.compose import compose
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission
+from tests.config.composed import composed
 from tests.env.synthetic import JOINTS, MOTORS
 from tests.robot.lopsided import kneed
 
-ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
+ROBOT = composed().robot
 
 
 @pytest.fixture(scope="module")

@@ -1,23 +1,20 @@
 """Motors and joints: by hand, by virtual work, and as MuJoCo simulates them."""
 
-# pyright: reportAttributeAccessIssue=false
-
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-from slider.config.compose import compose
 from slider.config.robot import Drive
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
 from slider.robot.names import NUM_MOTORS, motor_names
 from slider.robot.transmission import Transmission
+from tests.config.composed import composed
 from tests.env.synthetic import JOINTS
 
-SLIDER = compose([], Path(__file__).parents[2] / "conf").robot
+SLIDER = composed().robot
 CAPSTAN = Drive(torque=8.0, speed=120.0, stall_ratio=2.0, inertia=6.25e-4)  # for round numbers
 ROBOT = replace(SLIDER, drives={**SLIDER.drives, "capstan": CAPSTAN})
 MOTORS = Transmission.of(ROBOT)

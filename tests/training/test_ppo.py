@@ -45,7 +45,7 @@ def actors_of(trainer: Trainer) -> list[dict[str, torch.Tensor]]:
         seen.append(actor(trainer))
         return losses
 
-    trainer.algorithm.update = watched  # type: ignore[method-assign]
+    trainer.algorithm.update = watched
     trainer.run()
     return seen
 
@@ -111,8 +111,6 @@ def test_reflections_follow_the_originals(tmp_path):
     seen = TensorDict({"policy": values}, batch_size=[env.num_envs])
     action = torch.randn(half, 12)
     observations, actions = with_reflections(env, seen[:half], action)
-    assert observations is not None
-    assert actions is not None
     assert torch.equal(observations["policy"][:half], seen["policy"][:half])
     np.testing.assert_allclose(observations["policy"], seen["policy"], atol=1e-5)
     np.testing.assert_allclose(actions[half:], action.numpy()[:, PERMUTATION] * SIGN, atol=1e-6)

@@ -50,7 +50,6 @@ def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     run_walking(section(*ALONE, "train.walking.iterations=1"), {}, out, Job(tmp_path / "work"))
     policy = load_policy(out / POLICY_FILE)
     assert policy.reference is None
-    assert policy.times is not None
     pace = config(*ALONE).env.phase.step_time
     np.testing.assert_array_equal(
         policy.times.at(np.array([(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)])), pace
@@ -67,7 +66,6 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
     inputs["start"] = [folders["walking"]]
     for name, iterations in {"same": 0, "tuned": 1}.items():
         whole = config(*FINETUNING, f"finetuning.iterations={iterations}")
-        assert whole.finetuning is not None
         assert whole.finetuning.disturbance.push.impulse.upper > 0
         tuning = {**section(), "train": to_dict(whole.finetuning)}
         run_walking(tuning, inputs, folders[name], Job(tmp_path / f"work_{name}"))

@@ -8,23 +8,22 @@ from typing import Any
 from pipeline.stages.gaits import verification_jobs
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
-from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.library.reader import STORE, GaitLibrary
 from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant
 from slider.verification.stage import Check, checks
 from slider.verification.stored import StoredGait, gaits_of
+from tests.config.composed import composed
 from tests.library.solved import solved_library
 
-CONF = Path(__file__).parents[2] / "conf"
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
 SHORT = ("verification.replay.steps=3", "verification.points=21", "verification.chunk=2")
 
 
 @cache
 def config(*overrides: str) -> Config:
-    return compose([*SHORT, *overrides], CONF)
+    return composed(*SHORT, *overrides)
 
 
 def library() -> Path:

@@ -25,9 +25,7 @@ TICK = 0.005  # [s]
 
 
 def control(**changes) -> HzdControlConfig:
-    settings = config().control["hzd"]
-    assert isinstance(settings, HzdControlConfig)
-    return replace(settings, **changes)
+    return replace(config().control["hzd"], **changes)
 
 
 @cache

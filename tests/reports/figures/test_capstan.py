@@ -1,19 +1,17 @@
 """What the figure of the capstan drive shows, against the formulas of the robot's page."""
 
-from pathlib import Path
-
 import numpy as np
 
-from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.capstan import angles_of, caption, draw
 from slider.reports.figures.style import style
 from slider.robot.transmission import Transmission
+from tests.config.composed import composed
 from tests.library.gaits import MECHANISM, library
 from tests.robot.lopsided import lopsided
 
-ROBOT = compose([], Path(__file__).parents[3] / "conf").robot
+ROBOT = composed().robot
 DRIVE = Transmission.of(ROBOT)
 R, N = ROBOT.capstan.drum_radius, ROBOT.capstan.foot_ratio
 

@@ -1,14 +1,12 @@
 """The two legs of the figure of the mapping: one hip, one ankle, one foot."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from slider.config.compose import compose
 from slider.reports.figures.mapping import LegPair, map_errors
+from tests.config.composed import composed
 
-ROBOT = compose([], Path(__file__).parents[3] / "conf").robot
+ROBOT = composed().robot
 
 
 @pytest.mark.parametrize("flexion", [0.1, 0.7, 1.4])

@@ -57,14 +57,17 @@ def pytest_unconfigure() -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the longest files first, so that no process is left alone with one of them at the end.
 
-    These are the ones with runs of the real pipeline; those that look at a finished one come
-    after the one that runs it.
+    These are the ones with runs of the real pipeline and with trainings; those that look at a
+    finished pipeline come after the one that runs it.
     """
-    items.sort(key=lambda item: (_is_short(item), "browser" in item.path.parts))
+    items.sort(key=lambda item: (_length(item), "browser" in item.path.parts))
 
 
-def _is_short(item: pytest.Item) -> bool:
-    return item.get_closest_marker("workflow") is None
+def _length(item: pytest.Item) -> int:
+    """Place of a test's file: 0 for pipelines, 1 for trainings, 2 for the others."""
+    if item.get_closest_marker("workflow") is not None:
+        return 0
+    return 1 if item.get_closest_marker("learn") is not None else 2
 
 
 @pytest.fixture

@@ -12,22 +12,9 @@ from fsspec.registry import _registry
 
 from slider.artefacts.remote import MARKER, DamageError, Remote
 from slider.core.errors import UserError
-from tests.artefacts.servers import KINDS, anywhere, http_server, s3_server, ssh_server
+from tests.artefacts.servers import http_server, s3_server, ssh_server
 
 FILES = fsspec.get_filesystem_class("file")
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_copies_arrive_and_are_never_larger_than_expected(kind, tmp_path):
-    with anywhere(kind, tmp_path) as remote:
-        assert remote.open() is False
-        remote.open(create=True)
-        assert remote.open() is True
-        assert remote.read("results/x", 10) is None
-        remote.write("results/x", "0123456789")
-        assert (remote.read("results/x", 10), remote.size("results/x")) == (b"0123456789", 10)
-        with pytest.raises(DamageError, match="expected 9 bytes, found more"):
-            remote.fetch("results/x", tmp_path / "x", 9)
 
 
 def test_only_plain_files_are_read(tmp_path):

@@ -273,18 +273,8 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         (YAML, "base: base,", "base: base, side: top,", "roles.side: expected 'left' or 'right'"),
-        (
-            YAML,
-            "base: base,",
-            "base: base, sides: left,",
-            "unknown configuration key 'robot.roles.",
-        ),
-        (
-            YAML,
-            "joints: {",
-            "pose: {left_slide: x}, joints: {",
-            "left_slide: expected a valid numb",
-        ),
+        (YAML, "base: base,", "base: base, sides: left,", "unknown configuration key"),
+        (YAML, "joints: {", "pose: {left_slide: x}, joints: {", "expected a valid number"),
         (YAML, "joints: {", "pose: {left_hip_roll: 0.5}, joints: {", "expected an axis along"),
         (
             YAML,
@@ -307,31 +297,11 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
             "a file of at most 2000000 bytes",
         ),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
-        (
-            XML,
-            'mass="0.97"',
-            'mass="1.97"',
-            "expected legs that are alike (also in roles.pose), or roles.side",
-        ),
-        (
-            XML,
-            'range="-0.785 0.785"',
-            'range="-0.785 0.5"',
-            "_roll and right_hip_roll that differ by",
-        ),
+        (XML, 'mass="0.97"', 'mass="1.97"', "expected legs that are alike"),
+        (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "right_hip_roll that differ by"),
         (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds roles.pose, in rad"),
-        (
-            XML,
-            'range="-0.785 0.785"',
-            'range="-45 45"',
-            "from -45 to 45 and its pose 0",
-        ),
-        (
-            XML,
-            "<compiler ",
-            '<compiler inertiafromgeom="true" ',
-            "expected masses of inertial elem",
-        ),
+        (XML, 'range="-0.785 0.785"', 'range="-45 45"', "from -45 to 45 and its pose 0"),
+        (XML, "<compiler ", '<compiler inertiafromgeom="true" ', "expected masses of inertial"),
     ],
 )
 def test_a_mistake_is_one_line(folder, name, before, after, message):

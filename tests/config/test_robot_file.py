@@ -90,11 +90,6 @@ def test_no_such_file(path, tmp_path):
     assert "expected a YAML file, found: No such file" in refusal([f"robot={tmp_path}/{path}"])
 
 
-def test_a_folder_stands_for_its_robot_yaml(written, tmp_path):
-    written(CHANGED, "robot.yaml")
-    assert composed(f"robot={tmp_path}").robot.name == "mine"
-
-
 def test_an_installed_package_names_its_robot(written, tmp_path, monkeypatch):
     written(CHANGED, "robot.yaml")
     (tmp_path / "their_robots.py").write_text(

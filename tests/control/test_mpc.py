@@ -50,22 +50,6 @@ def test_walks_on_slopes_that_it_receives():
     np.testing.assert_allclose(mean, [[0.6, 0.0]] * 3, atol=0.06)
 
 
-def test_literal_settings_walk_slower_than_the_command():
-    """The command is the velocity at the end of a step, where it is largest."""
-    recording, _ = walk(LITERAL, (3.0, (0.4, 0.0, 0.0)))
-    assert 0.25 < steady(recording, 80)[0] < 0.37
-    clearance = recording.foot_positions[50:, :, :, 2].max()
-    assert 0.085 < clearance < 0.115
-
-
-def test_walks_on_a_plant_that_is_not_its_nominal_model():
-    robot = robot_config()
-    base = replace(robot.links.base, mass=1.2 * robot.links.base.mass, com=(0.01, 0.0, 0.06))
-    plant = replace(robot, links=replace(robot.links, base=base))
-    recording, _ = walk(TUNED, (SETTLED, (0.4, 0.0, 0.0)), plant=plant)
-    np.testing.assert_allclose(steady(recording), [0.4, 0.0], atol=0.08)
-
-
 def test_a_robot_does_not_depend_on_the_others():
     """The second of two robots with starts of their own, alone."""
     whole, two = config(), walk(TUNED, (1.0, (0.6, 0.0, 0.0)), noise=True)[0]

@@ -12,7 +12,6 @@ from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
-from slider.robot.names import NUM_CHANNELS
 from tests.env.synthetic import (
     CHANNELS,
     JOINTS,
@@ -157,17 +156,6 @@ def test_contact_schedule(phase, left, right, expected):
     view = make_view(make_state(1, foot_forces=[left, right]), phase=[phase])
     found = value("contact_schedule", view, loaded=20.0, unloaded=1.0, margin=0.15)
     np.testing.assert_allclose(found, [expected])
-
-
-def test_guide_at_the_samples_and_between_them():
-    gaits = library()
-    at_20 = make_guide().at_phase(make_view(make_state(1), phase=[0.5 * 7 / 20]))
-    np.testing.assert_allclose(at_20[0, :NUM_CHANNELS], gaits.samples[0, 7], atol=1e-9)
-    between = make_guide().at_phase(
-        make_view(make_state(1), phase=[0.5 + 0.5 * 7.5 / 20], command=[[0.2, 0, 0, 0]])
-    )
-    middle = gaits.samples[[0, 1]][:, [28, 29]].mean(axis=(0, 1))
-    np.testing.assert_allclose(between[0, :NUM_CHANNELS], middle, atol=1e-9)
 
 
 def test_the_guide_of_a_halted_robot_is_standing():

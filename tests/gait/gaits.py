@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -70,11 +69,3 @@ def section(vx: float, vy: float, yaw_rate: float = 0.0, **solver_settings: Any)
     common = gait_section(config())
     solve = common["solve"] | {"solver": common["solve"]["solver"] | solver_settings}
     return common | {"solve": solve, "velocity": [vx, vy, yaw_rate]}
-
-
-def quick_compiler(folder: Path) -> str:
-    """A C compiler that does not optimise: the same bits, in less time."""
-    script = folder / "quick-cc"
-    script.write_text('#!/bin/sh\nexec cc "$@" -O0\n')
-    script.chmod(0o755)
-    return str(script)

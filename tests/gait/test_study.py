@@ -29,11 +29,6 @@ def gait(nodes: int, offset: float = 0.0, roll: float = 0.0) -> MeshGait:
     return MeshGait(joints + offset, joints.copy(), np.tile(bump, (2, 1)), 0.4)
 
 
-@pytest.mark.parametrize("nodes", [5, 21])
-def test_the_torque_cost_of_a_linear_torque(nodes):
-    assert gait(nodes).torque_cost == pytest.approx(2 * 10 / 3)
-
-
 def test_the_torque_cost_is_the_optimisation_s_own(tmp_path):
     """At a solution for another cost."""
     for name, array in gait_arrays(problem(), solved(0.4, 0.0), "exact").items():

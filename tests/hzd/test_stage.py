@@ -22,7 +22,7 @@ from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
 from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
-from tests.gait.gaits import config, quick_compiler
+from tests.gait.gaits import config
 from tests.hzd.sample import CLOCK, HIP, VELOCITIES, folder, library, steps
 
 HOLE = (0.9, 0.0, 0.0)
@@ -34,15 +34,13 @@ def jobs() -> dict[str, JobSpec]:
     return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
 
 
-def placed(
-    out: Path, *velocities: tuple[float, float, float], cache: Path | None = None, **changes
-) -> list[str]:
+def placed(out: Path, *velocities: tuple[float, float, float], **changes) -> list[str]:
     """What a job of foot placement says."""
     (spec,) = jobs()["foot_placement"].inputs["gaits"]
     section = {**spec.section, "velocities": [list(v) for v in velocities]}
     section["hzd"] = spec.section["hzd"] | changes
     said = []
-    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append, cache=cache))
+    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append))
     return said
 
 
@@ -92,21 +90,6 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     np.testing.assert_allclose(found.gains[HIP, by_hip, :, 0, 1, 0], -2.1, atol=0.3)
     np.testing.assert_array_equal(found.placement[:, 1], steps()[1].placement)
     np.testing.assert_array_equal(found.hip[:, 0, :, 1:2], steps()[0].hip.slopes)
-
-
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_path, monkeypatch):
-    monkeypatch.setenv("CC", quick_compiler(tmp_path))
-    said = []
-    for name in ("first", "second"):
-        out = tmp_path / name
-        out.mkdir()
-        said.append(placed(out, *VELOCITIES[::-1], HOLE, cache=tmp_path / "cache"))
-        for path in chunk.iterdir():
-            assert path.read_bytes() == (out / path.name).read_bytes(), path.name
-    assert len(said[0]) == 4
-    assert all("robot: compiled in " in line for line in said[0])
-    assert said[1] == []
 
 
 def test_the_table_has_a_line_per_gait(maps, tmp_path):

@@ -42,10 +42,3 @@ def test_npz_has_every_array_and_the_names_of_its_columns(library, tmp_path: Pat
         assert found["constraint_names"].tolist() == ["impact", "torso"]
         assert found["velocities"].tolist() == [0.5, 0.1, 0.0]
         assert str(found["status"]) == "Solve_Succeeded"
-
-
-@pytest.mark.parametrize("write", [write_csv, write_npz])
-def test_the_same_gait_gives_the_same_bytes(library, tmp_path: Path, write):
-    for name in ("one", "two"):
-        write(library, 0, tmp_path / name)
-    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()

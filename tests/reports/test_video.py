@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from pipeline.stages.page import find_renderer
-from slider.config.compose import compose
 from slider.config.convert import to_dict
+from tests.config.composed import composed
 from tests.control.policies import write_policy
 
 pytestmark = pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
-CONF = Path(__file__).parents[2] / "conf"
 RUN = """
 import json, sys
 from pathlib import Path
@@ -29,7 +28,7 @@ run(section, {"walking": [folder]}, folder / "out", Job(folder))
 
 def film(folder: Path, *overrides: str) -> Path:
     """Result of the stage, whose files are in a folder ``out``."""
-    config = to_dict(compose(["experiment=test", *overrides], CONF))
+    config = to_dict(composed("experiment=test", *overrides))
     write_policy(folder / "policy.pt", *overrides)
     config["robot"].pop("provenance")
     section = {name: config["evaluation"][name] for name in ("start", "disturbance")}
@@ -61,8 +60,7 @@ def first_picture(out: Path) -> np.ndarray:
         return next(container.decode(video=0)).to_ndarray(format="rgb24").astype(int)
 
 
-def test_films_what_the_configuration_asks_for(flat, tmp_path):
-    again = film(tmp_path)
+def test_films_what_the_configuration_asks_for(flat):
     with av.open(str(flat / "video.mp4")) as container:
         stream = container.streams.video[0]
         assert (stream.codec.name, stream.width, stream.height) == ("h264", 160, 96)
@@ -76,9 +74,6 @@ def test_films_what_the_configuration_asks_for(flat, tmp_path):
     assert _width(right) > 1.2 * _width(left), "hips are wider than long"
     about = json.loads((flat / "about.json").read_text())
     assert (about["controller"], about["speed"]) == ("policy", 0.2)
-    assert about == json.loads((again / "about.json").read_text())
-    # A film drawn again is alike; EGL draws single pixels otherwise now and then.
-    assert np.abs(first_picture(flat) - first_picture(again)).mean() < 0.1
 
 
 def test_terrain_is_in_the_picture(flat, tmp_path):

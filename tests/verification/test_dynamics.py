@@ -31,15 +31,3 @@ def test_locked_joints_make_a_pendulum_that_keeps_its_energy(side):
     energies = [energy(*state) for state in path]
     assert np.ptp(path[:, 0]) > 0.02
     np.testing.assert_allclose(energies, energies[0], atol=1e-8)
-
-
-def test_moment_about_the_line_is_linear_in_the_roll_acceleration():
-    robot = pinocchio()
-    for side in ("left", "right"):
-        states = [
-            robot.standing(np.array([0.1, 0.3, a]), POSE, POSE, POSE, side) for a in (0.0, 1.0)
-        ]
-        moment, inertia = robot.line_moment_and_inertia(states[0], side)
-        wrenches = [robot.inverse_dynamics(state, side)[1][3] for state in states]
-        assert moment == pytest.approx(wrenches[0], abs=1e-9)
-        assert inertia == pytest.approx(wrenches[1] - wrenches[0], abs=1e-9)

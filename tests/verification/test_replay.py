@@ -43,20 +43,6 @@ def test_a_gait_that_cannot_start_has_no_speed():
     assert walk == {"regulated_steps": 0.0}
 
 
-@pytest.mark.parametrize("step", [0, 1])
-def test_table_starts_where_the_gait_does(step):
-    gait = gaits()[1]
-    reference = tabulate(gait, plant(), 11)[step]
-    sample = step * gait.half
-    start = reference.at(0.0)
-    np.testing.assert_allclose(start.joints, gait.samples[sample, : names.NUM_JOINTS], atol=1e-10)
-    np.testing.assert_allclose(start.swing, gait.swing_foot[sample], atol=1e-6)
-    np.testing.assert_allclose(start.direction, [1, 0, 0], atol=1e-6)
-    end = reference.at(10.0)
-    last = reference.table[-1, : names.NUM_JOINTS]
-    np.testing.assert_allclose(end.joints, last, rtol=1e-12)
-
-
 def motor_torques(robot: Simulation, targets: np.ndarray, reference) -> np.ndarray:
     """Torques (10,) that the motors make at the state in which they are commanded."""
     q, v = robot.data.qpos.copy(), robot.data.qvel.copy()

@@ -76,8 +76,3 @@ def test_com_and_biases_are_those_of_differences_without_joint_acceleration(nomi
         (case.foot_jacobians @ poses[1][:, None, :, None])[..., 0] for case in (ahead, behind)
     ]
     np.testing.assert_allclose(dynamics.foot_bias, (speeds[0] - speeds[1]) / (2 * EPS), atol=1e-5)
-
-
-def test_height_of_the_pendulum(nominal):
-    assert nominal.mass == pytest.approx(12.5248, abs=1e-9)
-    assert 0.6 < nominal.nominal_height < 0.72

@@ -151,21 +151,6 @@ def test_torques_stay_within_a_share_of_the_limits(dynamics):
     assert capstans.max() == pytest.approx(0.16 * MOTOR, abs=1e-4), "a limit is active"
 
 
-def test_the_limit_is_that_of_a_motor_and_not_of_a_joint(dynamics):
-    """Up and forward: one motor gives all it has, slide and ankle far from what each could have."""
-    body, _, problem = build(dynamics, BOTH, (8.0, 0.0, 40.0))
-    efforts, solved = body.solve(problem)
-    assert solved.all()
-    torques = motor_torques(efforts).reshape(COUNT, 2, 5)
-    assert (np.abs(torques) <= TORQUE_LIMITS[:5] + 1e-4).all()
-    np.testing.assert_allclose(torques[..., 4], MOTOR, atol=1e-4)
-    assert (torques[..., 3] < 0.5 * MOTOR).all(), "its twin has much left"
-    slide, ankle = efforts[:, [3, 9]], efforts[:, [4, 10]]
-    assert (np.abs(slide) < 0.7 * 2 * MOTOR / 0.025).all()
-    assert (np.abs(ankle) < 0.5 * 2 * MOTOR / 0.35).all()
-    np.testing.assert_allclose(0.025 * slide / 2 - 0.35 * ankle / 2, MOTOR, atol=1e-4)
-
-
 def test_fast_motors_have_less_torque(dynamics):
     """At 2.4 m/s capstan motors turn with 96 rad/s of 120: a fifth of the stall torque is left."""
     qvel = np.zeros_like(dynamics.qvel)

@@ -53,12 +53,8 @@ def study_job(
 ) -> JobSpec:
     """Jobs of all variants, and the comparison of their results.
 
-    Args:
-        name: of the study, in ``config.study``.
-        config: of the pipeline.
-        targets: its jobs ``library`` and ``walking``.
-        overrides: with which ``config`` was composed.
-        conf: folder of the configuration.
+    Of the pipeline's ``targets`` it needs ``library`` and ``walking``. ``config`` was composed from
+    the folder ``conf`` with the ``overrides``.
 
     Raises:
         UserError: an unknown metric, or the overrides of a variant do not compose.

@@ -16,12 +16,7 @@ from slider.reports.figures import STABILITY_FILES
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage.
-
-    Attributes:
-        entry: its function, as ``module:function``.
-        files: what people read of the target of its name, below ``reports/``.
-    """
+    """Function of a stage, ``module:function``; what people read of its target, in ``reports/``."""
 
     entry: str
     files: tuple[str, ...] = ()

@@ -28,11 +28,8 @@ def evaluations_of(
 ) -> list[JobSpec]:
     """A protocol's evaluations: each controller at each speed, or in each case of the profile.
 
-    Args:
-        config: robot, plant and controllers.
-        protocol: of the evaluations.
-        jobs: ``walking``, ``library`` and ``foot_placement``, which controllers need.
-        note: added to the labels.
+    Controllers need the ``jobs`` ``walking``, ``library`` and ``foot_placement``. The ``note`` is
+    added to the labels.
     """
     settings = without(protocol_section(protocol), "controllers", "speeds")
     if protocol.profile is None:

@@ -1,5 +1,6 @@
 """Sources of a section, made by hand."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -7,7 +8,7 @@ from slider.config.convert import to_dict
 from slider.config.evaluation import ReportConfig, VideoConfig
 from slider.core.job import Job
 from slider.reports.contents import Sources
-from slider.reports.page import Content, render
+from slider.reports.page import render
 
 Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
@@ -24,11 +25,11 @@ def sources(inputs: dict[str, list[Path]], job: Job | None = None, **section: An
     return Sources(empty | section, inputs, Path(), job or Job(Path()))
 
 
-def pick(content: Content, kind: type[Block]) -> list[Block]:
+def pick(blocks: Iterable[Any], kind: type[Block]) -> list[Block]:
     """Blocks of a section of one kind."""
-    return [block for block in content.blocks if isinstance(block, kind)]
+    return [block for block in blocks if isinstance(block, kind)]
 
 
-def html(**sections: Content) -> str:
+def html(**blocks: Sequence[Any]) -> str:
     """A page of sections."""
-    return render("title", {}, sections)
+    return render("title", {}, blocks)

@@ -8,7 +8,6 @@ import pandas as pd
 from slider.reports import contents
 from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_overview, draw_training
-from slider.reports.page import content
 from slider.reports.sections import SECTIONS
 from slider.reports.table import Table, Text, inline
 from slider.reports.table1 import paper_rows
@@ -35,7 +34,7 @@ def verified(folder, bound: float):
     (folder / "verification.json").write_text(json.dumps({"gaits": 2, **facts}))
     (folder / "verification_maps.svg").write_text("<svg/>")
     inputs = {name: [folder] for name in ("verification", "verification_maps")}
-    return content("verification", sources(inputs))
+    return list(contents.verification(sources(inputs)))
 
 
 def test_the_verification_names_failures(tmp_path):

@@ -19,7 +19,7 @@ from slider.evaluation import segments
 from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
 from slider.reports import protocols, rows
-from slider.reports.page import content
+from slider.reports.contents import sweep as sweep_section
 from slider.reports.table import Picture, Table
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
@@ -243,7 +243,7 @@ def test_the_page_has_the_figure_and_the_tables_of_the_sweep(tmp_path):
     settings.pop("profile")  # as the pipeline does with what a protocol does not use
     inputs = {"sweep": [out], "sweep.evaluations": [tmp_path / "0", tmp_path / "1"]}
     given = sources(inputs, configuration={"protocols": {"sweep": settings}}, labels=LABELS)
-    section = content("sweep", given)
+    section = list(sweep_section(given))
     assert pick(section, Picture)[0].path == out / "sweep.svg"
     (speeds,) = (table for table in pick(section, Table) if table.caption == "Mean speed [m/s]")
     found = [[cell.text for cell in row] for row in speeds.rows]

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from slider.core.job import Job
-from slider.reports.page import content
+from slider.reports.contents import provenance
 from slider.reports.table import Table, Text
 from tests.reports.sources import pick, sources
 
@@ -26,9 +26,8 @@ def section(origins, times):
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
     job = Job(Path(), volatile=page, input_volatile=times)
-    found = content(
-        "provenance", sources(folders, job, configuration=configuration, origins=origins)
-    )
+    given = sources(folders, job, configuration=configuration, origins=origins)
+    found = list(provenance(given))
     rows = [[cell.text for cell in row] for row in pick(found, Table)[0].rows]
     return rows, " ".join(block.markdown for block in pick(found, Text))
 

@@ -89,11 +89,9 @@ def expected(job: JobSpec, rates: Rates) -> float:
 class Forecast:
     """The jobs of a run by recipe, and when they began and ended [s].
 
-    Attributes:
-        jobs: inputs first; what they need besides is there already.
-        seconds: expected wall time of each [s].
-        cores: on which they run, one each.
-        shares: which part of a running job is done, 0 to 1, where the job tells.
+    Jobs are in an order with inputs first; what they need besides is there already. ``seconds`` are
+    their expected wall times on a core each, ``shares`` the parts of running jobs that are done,
+    0 to 1, where these tell.
     """
 
     jobs: Mapping[str, JobSpec]

@@ -38,13 +38,8 @@ class Result:
 class Manifest:
     """The result of a recipe; holds nothing volatile.
 
-    Attributes:
-        stage: name of the stage.
-        recipe: of the job.
-        inputs: recipes of the inputs by name.
-        result: object and facts.
-        input_objects: objects of the inputs, whose content was checked before they were used.
-        key: of the entry of the store's index that holds the same result.
+    ``inputs`` are the recipes of the inputs by name, ``input_objects`` their objects, whose content
+    was checked before they were used. The entry ``key`` of the store's index has the same result.
     """
 
     stage: str

@@ -19,15 +19,9 @@ from slider.core.errors import UserError
 
 @dataclass(frozen=True)
 class JobSpec:
-    """One stage with one section: what it runs, on what, and its recipe.
+    """One stage with its own part of the configuration, the section, and its inputs by name.
 
-    Attributes:
-        stage: name of the stage.
-        label: for people.
-        code: entry point, source digest and versions.
-        section: the stage's own part of the configuration.
-        inputs: name → jobs, in a fixed order.
-        tracked: whether the job is a run of its own in MLflow.
+    The ``label`` is for people. A ``tracked`` job is a run of its own in MLflow.
     """
 
     stage: str

@@ -30,14 +30,7 @@ Objects = Mapping[str, Sequence[str]]
 
 @dataclass(frozen=True)
 class Runner:
-    """Runs jobs against a store.
-
-    Attributes:
-        store: where inputs are and results go.
-        threads: processor threads of a job.
-        progress: shows one line to the person who waits.
-        waiting: see :class:`Job`.
-    """
+    """Runs jobs, whose inputs are in a store and whose results go there; see :class:`Job`."""
 
     store: Store
     threads: int = 1

@@ -58,14 +58,10 @@ def disturbed(
     value: float,
     direction: float | None = None,
 ) -> DisturbanceConfig:
-    """A disturbance with a value of an axis.
+    """A disturbance with a value of an axis, in SI units, in the place of that of ``base``.
 
-    Args:
-        base: what else disturbs the robots.
-        sensing: white noise, which ``sensor_noise`` multiplies.
-        axis: name of the axis.
-        value: in SI units.
-        direction: of pushes, from forward towards left [rad].
+    ``sensor_noise`` multiplies the white noise ``sensing``. The direction of pushes is counted from
+    forward towards left [rad].
     """
     exactly = Interval(value, value)
     if axis in TERRAINS:

@@ -89,11 +89,9 @@ class Evaluation:
     """All robots of one controller at one command, or in one case of a profile.
 
     Attributes:
-        controller: its name.
         speed: commanded forward velocity [m/s]; None in a case.
         robots: columns ``COLUMNS``.
         velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
-        case: name of the case.
         segments: in a case the robots of each segment, columns ``SEGMENT_COLUMNS``; ``survived``
             is true for robots that stood until its end, even if they fell later.
         traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.

@@ -48,9 +48,7 @@ class Gait:
     def knee_joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Virtual-knee positions [rad] and velocities [rad/s] (N, 10), left leg then right leg.
 
-        Args:
-            step: 0 in left stance, 1 in right stance.
-            phase: (N,) of this step, in [0, 1].
+        At phases (N,) in [0, 1] of step 0 in left stance or step 1 in right stance.
         """
         coefficients = self.coefficients[step]
         q = bezier.evaluate(coefficients, phase)
@@ -103,12 +101,7 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
 
 
 class GaitNumbers(NamedTuple):
-    """Numbers of a reference gait, to compare a controller's walk with.
-
-    Attributes:
-        touchdown_rate: of both feet, one per step: 1 / step time [1/s].
-        velocity_variance: over time, of the forward velocity [m²/s²].
-    """
+    """Touchdowns of both feet [1/s], and variance of the forward velocity over time [m²/s²]."""
 
     touchdown_rate: float
     velocity_variance: float

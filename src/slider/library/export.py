@@ -9,25 +9,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from slider.library import measures
-from slider.library.reader import (
-    ARRAYS,
-    BASE_CHANNELS,
-    CONSTRAINT,
-    COORDINATES,
-    WRENCH_COMPONENTS,
-    GaitLibrary,
-    labels,
-)
-from slider.robot.names import (
-    NUM_JOINTS,
-    SIDES,
-    channel_units,
-    channels,
-    joint_names,
-    motor_names,
-    velocity_text,
-)
+from slider.library import measures, reader
+from slider.library.reader import ARRAYS, GaitLibrary
+from slider.robot import names as of_robot
+from slider.robot.names import channel_units, channels, velocity_text
 from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
@@ -51,7 +36,8 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         "  peaks",
     ]
     torque, voltage = (shares[gait] for shares in measures.motor_shares(library))
-    limits, names = Transmission.of(library.robot).torque, motor_names(library.robot.geometry)
+    limits = Transmission.of(library.robot).torque
+    names = of_robot.motor_names(library.robot.geometry)
     for quantity, shares, most, unit in (
         ("torque", torque, limits, "N m"),
         ("voltage", voltage, np.ones_like(voltage), "of the bus"),
@@ -132,16 +118,16 @@ def _axis(values: np.ndarray) -> str:
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
     arrays = {name: library.arrays[name][gait] for name in ARRAYS}
-    stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
+    stance = [of_robot.SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
     geometry = library.robot.geometry
     sample_units = channel_units(geometry)
-    effort_units = ["N" if unit == "m" else "N m" for unit in sample_units[:NUM_JOINTS]]
+    effort_units = ["N" if unit == "m" else "N m" for unit in sample_units[: of_robot.NUM_JOINTS]]
     for array, texts, units in (
         ("samples", channels(geometry), sample_units),
-        ("base", [f"base_motion.{name}" for name in BASE_CHANNELS], _BASE_UNITS),
-        ("efforts", [f"{name}.effort" for name in joint_names(geometry)], effort_units),
-        ("ground_wrench", [f"ground.{n}" for n in WRENCH_COMPONENTS], _WRENCH_UNITS),
+        ("base", [f"base_motion.{name}" for name in reader.BASE_CHANNELS], _BASE_UNITS),
+        ("efforts", [f"{name}.effort" for name in of_robot.joint_names(geometry)], effort_units),
+        ("ground_wrench", [f"ground.{n}" for n in reader.WRENCH_COMPONENTS], _WRENCH_UNITS),
     ):
         for label, unit, values in zip(texts, units, arrays[array].T, strict=True):
             columns[f"{label} [{unit}]"] = values
@@ -150,9 +136,9 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
 
 def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write the library's arrays of one gait, without the axis of the gaits, and their labels."""
-    arrays = {name: library.arrays[name][gait] for name in (*ARRAYS, *COORDINATES)}
+    arrays = {name: library.arrays[name][gait] for name in (*ARRAYS, *reader.COORDINATES)}
     geometry = library.robot.geometry
-    named = labels(geometry) | {CONSTRAINT: library.constraints}
+    named = reader.labels(geometry) | {reader.CONSTRAINT: library.constraints}
     texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in named.items()}
     arrays["status"] = np.array(str(arrays["status"]))
     units = np.array(channel_units(geometry), dtype=str)

@@ -13,11 +13,7 @@ from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 @dataclass(frozen=True)
 class StepTimes(Axes):
-    """Step time over a grid of velocities.
-
-    Attributes:
-        step_time: (nx, ny, nw) [s].
-    """
+    """Step time (nx, ny, nw) [s] over a grid of velocities."""
 
     step_time: Array
 
@@ -36,11 +32,9 @@ class StepTimes(Axes):
 
 @dataclass(frozen=True)
 class JointTable:
-    """Joint positions on all nodes of the mesh of velocities.
+    """Joint positions (nx, ny, nw, S, 12) [rad or m] on all nodes of the mesh of velocities.
 
-    Attributes:
-        times: step times, and the velocities of the mesh.
-        positions: (nx, ny, nw, S, 12) [rad or m] at S samples per walk, left stance first.
+    Each walk has S samples, left stance first.
     """
 
     times: StepTimes
@@ -58,12 +52,7 @@ class JointTable:
 
 @dataclass(frozen=True)
 class GaitTable:
-    """Gaits on all nodes of the mesh of velocities, for fast look-up.
-
-    Attributes:
-        times: mean duration of a step, and the velocities of the mesh.
-        reference: (nx, ny, nw, S, 26 + 13) channels and base motion.
-    """
+    """Mean step times, channels and base motion (nx, ny, nw, S, 26 + 13) on all nodes of a mesh."""
 
     times: StepTimes
     reference: Array
@@ -83,10 +72,7 @@ class GaitTable:
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
     def at(self, velocity: Array, phase: Array) -> Array:
-        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1).
-
-        Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
-        """
+        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1)."""
         result = at_phase(self.times, self.reference, velocity, phase)
         normalise(result[:, NUM_CHANNELS:])
         return result

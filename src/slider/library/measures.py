@@ -26,9 +26,8 @@ def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
-    return np.abs(library.arrays["samples"][..., _SPEEDS][..., EXTENSION::LEG_SIZE]).max(
-        axis=(1, 2)
-    )
+    speeds = library.samples[..., _SPEEDS][..., EXTENSION::LEG_SIZE]
+    return np.abs(speeds).max(axis=(1, 2))
 
 
 def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:
@@ -48,11 +47,9 @@ def clearance(library: GaitLibrary, gait: int) -> float:
 
 @dataclass(frozen=True)
 class Smoothness:
-    """Jumps between neighbouring gaits, as shares of each channel's range over the library.
+    """Pairs (P, 2) of neighbouring gaits, and the greatest jump (P, C) of each channel.
 
-    Attributes:
-        pairs: (P, 2) indices of neighbouring gaits.
-        jumps: (P, C) greatest |difference| over the samples / range of the channel [-].
+    A jump is a |difference| over the samples / range of the channel over the whole library [-].
     """
 
     pairs: np.ndarray
@@ -79,12 +76,9 @@ class Smoothness:
 
 
 def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
-    """Measure the jumps between neighbours; a channel that never changes has none.
+    """Jumps between neighbours of gaits with velocities (G, 3) and channels (G, S, C).
 
-    Args:
-        velocities: (G, 3) vx, vy [m/s], yaw rate [rad/s].
-        samples: (G, S, C) channels; each is divided by its range over all gaits and samples, so
-            that 0.1 means a tenth of everything that this channel does in the whole library.
+    A channel that never changes has none.
     """
     pairs = neighbours(velocities)
     extent = np.ptp(samples, axis=(0, 1))

@@ -51,8 +51,7 @@ class Axes:
 class VelocityMesh(Axes):
     """Every vx of a library times every vy and yaw rate, with the gaits that make up each node.
 
-    Attributes:
-        node_weights: (nx, ny, nw, G), not negative; they sum to one over the gaits.
+    Their weights (nx, ny, nw, G) are not negative and sum to one over the gaits.
     """
 
     node_weights: np.ndarray
@@ -137,6 +136,5 @@ def aligned(base: np.ndarray) -> np.ndarray:
 def normalise(base: np.ndarray) -> np.ndarray:
     """Make the quaternions of blended motion (..., 13) unit again, in place; return it."""
     quaternion = base[..., _QUATERNION]
-    norm = namespace(quaternion).linalg.vector_norm(quaternion, axis=-1, keepdims=True)
-    quaternion /= norm
+    quaternion /= namespace(base).linalg.vector_norm(quaternion, axis=-1, keepdims=True)
     return base

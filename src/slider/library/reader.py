@@ -3,7 +3,7 @@
 The layout is documented in ``docs/reference/gait-library.md``.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,14 +16,8 @@ from slider.config.convert import from_dict
 from slider.config.robot import Geometry, Mechanism
 from slider.core.errors import UserError
 from slider.library.mesh import VelocityMesh, distances
-from slider.robot.names import (
-    SIDES,
-    VELOCITY,
-    channels,
-    joint_names,
-    knee_joint_names,
-    velocity_text,
-)
+from slider.robot import names
+from slider.robot.names import SIDES, VELOCITY, velocity_text
 
 STORE = "library.zarr"
 SCHEMA = "slider-gait-library"
@@ -31,12 +25,7 @@ VERSION = 5
 
 
 class Array(NamedTuple):
-    """An array of the store.
-
-    Attributes:
-        unit: of its values.
-        axes: after the first one, which is the gait.
-    """
+    """Unit of an array of the store, and its axes after the first one, which is the gait."""
 
     unit: str
     axes: tuple[str, ...] = ()
@@ -86,9 +75,9 @@ def labels(geometry: Geometry) -> dict[str, tuple[str, ...]]:
     """Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates."""
     return {
         "component": VELOCITY,
-        "channel": channels(geometry),
-        "joint": joint_names(geometry),
-        "knee_joint": knee_joint_names(geometry),
+        "channel": names.channels(geometry),
+        "joint": names.joint_names(geometry),
+        "knee_joint": names.knee_joint_names(geometry),
         "step": SIDES,  # by its stance foot
         "foot": SIDES,
         "base_channel": BASE_CHANNELS,
@@ -104,7 +93,7 @@ ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
 # ... and from the optimisation: the velocities without a gait, the unit of the cost.
 OUTCOME = ("holes", "cost_unit")
 
-_NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
+
 _REMAKE = "make it again with `snakemake -j2 gait_library`"
 _SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
@@ -163,7 +152,7 @@ class GaitLibrary:
         if version != VERSION:
             expected = f"expected version {VERSION} of the gait library, found {version}"
             raise UserError(f"{path}: {expected}; {_REMAKE}")
-        for name in (*_NAMES, *ORIGIN, *OUTCOME):
+        for name in (*ARRAYS, *COORDINATES, CONSTRAINT, *ORIGIN, *OUTCOME):
             if name not in attributes and name not in group:
                 expected = f"expected {name!r} in the gait library, found none"
                 raise UserError(f"{path}: {expected}; {_REMAKE}")
@@ -268,21 +257,12 @@ class GaitLibrary:
         raise UserError(f"expected a velocity of the library, found {text}; {nearest}")
 
 
-class _Stored(Mapping[str, np.ndarray]):
+class _Stored(dict[str, np.ndarray]):
     """Arrays of a Zarr group, each read when it is first asked for."""
 
     def __init__(self, group: zarr.Group) -> None:
-        self._group = group
-        self._read: dict[str, np.ndarray] = {}
+        self._group: Any = group
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._read:
-            array: Any = self._group[name]
-            self._read[name] = np.asarray(array[...], order="C")  # zarr.config may say "F"
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(_NAMES)
-
-    def __len__(self) -> int:
-        return len(_NAMES)
+    def __missing__(self, name: str) -> np.ndarray:
+        self[name] = np.asarray(self._group[name][...], order="C")  # zarr.config may say "F"
+        return self[name]

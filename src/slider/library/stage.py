@@ -14,24 +14,9 @@ from slider.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
-from slider.library.reader import (
-    ARRAYS,
-    CONSTRAINT,
-    COORDINATES,
-    ORIGIN,
-    SCHEMA,
-    STORE,
-    VERSION,
-    labels,
-)
-from slider.robot.names import (
-    NUM_JOINTS,
-    PASSIVE,
-    VELOCITY,
-    channel_units,
-    channels,
-    velocity_text,
-)
+from slider.library import reader
+from slider.robot import names
+from slider.robot.names import VELOCITY, velocity_text
 
 _TEXT = np.dtypes.StringDType()
 _SCALARS = ("cost", "max_violation", "iterations")
@@ -46,7 +31,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         UserError: gaits did not converge and ``library.allow_holes`` is off.
     """
     config = from_dict(LibraryConfig, section["library"])
-    folders = list(inputs["gaits"])
+    folders = inputs["gaits"]
     reports = [json.loads((folder / REPORT).read_text(encoding="utf-8")) for folder in folders]
     columns = (*VELOCITY, "status", "iterations", "cost", "max_violation")
     table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
@@ -57,10 +42,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     holes = [report for i, report in enumerate(reports) if i not in good]
     if not good or (holes and not config.allow_holes):
         raise UserError(_describe(holes, len(good)))
-    attributes = {name: section[name] for name in ORIGIN}
+    attributes = {name: section[name] for name in reader.ORIGIN}
     attributes["holes"] = [_hole(report, config.max_violation) for report in holes]
     attributes["cost_unit"] = reports[good[0]]["cost_unit"]
-    _write(out / STORE, [folders[i] for i in good], [reports[i] for i in good], attributes)
+    _write(out / reader.STORE, [folders[i] for i in good], [reports[i] for i in good], attributes)
     return {
         "gaits": len(good),
         "holes": [_velocity(report) for report in holes],
@@ -80,9 +65,9 @@ def _write(
 
     Zarr's settings are its defaults, whatever variables (``ZARR_…``) and files say.
     """
-    constraints = tuple(reports[0]["residuals"])
+    constraints, passive = tuple(reports[0]["residuals"]), names.PASSIVE
     geometry = from_dict(Mechanism, attributes["robot"], "robot").geometry
-    columns = {name: _column(reports, name) for name in (*_SCALARS, *COORDINATES)}
+    columns = {name: _column(reports, name) for name in (*_SCALARS, *reader.COORDINATES)}
     columns["velocities"] = np.array([_velocity(report) for report in reports])
     residuals = [[report["residuals"][name] for name in constraints] for report in reports]
     columns["residuals"] = np.array(residuals)
@@ -90,12 +75,12 @@ def _write(
         group = zarr.open_group(path, mode="w", zarr_format=3)
         group.attrs.update(
             {
-                "schema": SCHEMA,
-                "version": VERSION,
-                "channels": list(channels(geometry)),
-                "channel_units": list(channel_units(geometry)),
-                "passive_channels": [*PASSIVE, *(NUM_JOINTS + joint for joint in PASSIVE)],
-                "coordinates": " ".join(COORDINATES),  # as xarray reads it
+                "schema": reader.SCHEMA,
+                "version": reader.VERSION,
+                "channels": list(names.channels(geometry)),
+                "channel_units": list(names.channel_units(geometry)),
+                "passive_channels": [*passive, *(names.NUM_JOINTS + joint for joint in passive)],
+                "coordinates": " ".join(reader.COORDINATES),  # as xarray reads it
                 **attributes,
             }
         )
@@ -104,12 +89,12 @@ def _write(
             array = group.create_array(name, data=values, chunks=values.shape, dimension_names=axes)
             array.attrs["units"] = unit
 
-        for name, array in (ARRAYS | COORDINATES).items():
+        for name, array in (reader.ARRAYS | reader.COORDINATES).items():
             values = columns.get(name)
             if values is None:
                 values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
             create(name, values, ("gait", *array.axes), array.unit)
-        for name, values in (labels(geometry) | {CONSTRAINT: constraints}).items():
+        for name, values in (reader.labels(geometry) | {reader.CONSTRAINT: constraints}).items():
             create(name, np.array(values, dtype=_TEXT), (name,), "name")
 
 
@@ -124,11 +109,11 @@ def _column(reports: Sequence[Report], name: str) -> np.ndarray:
 
 def _hole(report: Report, max_violation: float) -> dict[str, Any]:
     """Attributes of a gait that did not converge, with the constraints that it violates."""
-    names = (*VELOCITY, "status", "iterations", "max_violation")
+    kept = (*VELOCITY, "status", "iterations", "max_violation")
     residuals = report["residuals"]
     worst_first = sorted(residuals, key=lambda name: -residuals[name])
     violated = [_beyond(report, name) for name in worst_first if residuals[name] > max_violation]
-    return {name: report[name] for name in names} | {"violated": violated}
+    return {name: report[name] for name in kept} | {"violated": violated}
 
 
 def _beyond(report: Report, name: str) -> str:

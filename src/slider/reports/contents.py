@@ -60,12 +60,9 @@ Blocks = Iterator[Written | dict[str, Any]]
 class Sources:
     """What the stage ``report`` is given.
 
-    Attributes:
-        section: ``report``, the resolved ``configuration``, ``labels`` of the controllers, and
-            ``origins``: input → for each of its jobs stage, label, recipe, source digest, versions.
-        inputs: input → object folders.
-        out: folder of the page and of the figures that it draws.
-        job: with what differs between runs, of the inputs and of the page.
+    The section has ``report``, the resolved ``configuration``, ``labels`` of the controllers, and
+    ``origins``: input → for each of its jobs stage, label, recipe, source digest, versions. The
+    ``job`` has what differs between runs, of the inputs and of the page.
     """
 
     section: Section

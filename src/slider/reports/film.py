@@ -48,14 +48,10 @@ def render(
     cameras: Sequence[str],
     relief: Relief | None = None,
 ) -> Iterator[np.ndarray]:
-    """Pictures (height, width, 3) uint8 of a robot, from cameras that follow it.
+    """Pictures (height, width, 3) uint8 of a robot, ``size`` is width and height [pixel].
 
-    Args:
-        robot: its parameters.
-        frames: what to show.
-        size: width and height of a picture [pixel].
-        cameras: names in ``CAMERAS``; what they see stands next to each other.
-        relief: ground in place of the flat floor.
+    What the ``cameras`` of ``CAMERAS`` see, which follow it, stands next to each other. A
+    ``relief`` is in the place of the flat floor.
 
     Raises:
         UserError: nothing can be rendered on this machine.

@@ -4,7 +4,7 @@ import base64
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -20,31 +20,22 @@ PAGE = "index.html"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
 
 
-class Content(NamedTuple):
-    """A section of the page: its title and its blocks, see ``templates/page.html``."""
-
-    title: str
-    blocks: Sequence[Any]
-
-
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``index.html`` with the configured sections, each from its declared inputs."""
     report = section["report"]
     sources = Sources(section, inputs, out, job)
-    shown = {name: content(name, sources) for name in report["sections"]}
+    shown = {name: tuple(getattr(contents, name)(sources)) for name in report["sections"]}
     page = render(_TITLE, _facts(sources), shown)
     (out / PAGE).write_text(page, encoding="utf-8")
     job.tracker.log_file(out / PAGE)
     return {"sections": report["sections"], "megabytes": round(len(page.encode()) / 1e6, 1)}
 
 
-def content(name: str, sources: Sources) -> Content:
-    """Title and blocks of a section."""
-    return Content(SECTIONS[name].title, tuple(getattr(contents, name)(sources)))
+def render(title: str, facts: Mapping[str, str], blocks: Mapping[str, Sequence[Any]]) -> str:
+    """The whole page as one HTML text that needs nothing else, and no script.
 
-
-def render(title: str, facts: Mapping[str, str], sections: Mapping[str, Content]) -> str:
-    """The whole page as one HTML text that needs nothing else, and no script."""
+    ``blocks`` are those of each section, see ``templates/page.html``.
+    """
     environment = Environment(
         loader=PackageLoader("slider.reports", "templates"),
         autoescape=select_autoescape(["html"]),
@@ -56,7 +47,8 @@ def render(title: str, facts: Mapping[str, str], sections: Mapping[str, Content]
     return environment.get_template("page.html").render(
         title=title,
         facts=facts,
-        sections=sections,
+        titles={name: SECTIONS[name].title for name in blocks},
+        blocks=blocks,
         style=environment.get_template("page.css").render(),
     )
 

@@ -325,9 +325,7 @@ _KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {
         "Changing commands",
         _SEGMENTS_CAPTION,
         _segment_rows,
-        lambda rows, evaluations, protocol: walking.draw_segments(
-            evaluations, profile_of(protocol).cases[0], protocol.duration
-        ),
+        lambda rows, evaluations, protocol: walking.draw_segments(evaluations, protocol),
         _segment_tables,
     ),
     "cases": (

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
+from slider.core.files import flatten
 from slider.reports.table import Cell, Table, Text, grid
 
 _TEXT = (
@@ -42,11 +43,9 @@ def blocks(
 ) -> Iterator[Text | Table | dict[str, Any]]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
-    Args:
-        configuration: the resolved one, as plain values.
-        jobs: of each result of the page the origin (stage, label, recipe, source digest, versions),
-            the facts (times, machine, commit) of the run that computed it, and its object's folder.
-        page: commit and start of the pipeline run that builds the page.
+    ``jobs`` are of each result of the page the origin (stage, label, recipe, source digest,
+    versions), the facts (times, machine, commit) of the run that computed it, and its object's
+    folder; ``page`` has commit and start of the pipeline run that builds the page.
     """
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
     table = _table(jobs, page.get("pipeline_started"))
@@ -54,7 +53,9 @@ def blocks(
     yield _stages(table)
     machines = _machines(table)
     yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
-    yield _seeds(configuration)
+    leaves = flatten(configuration).items()
+    seeds = [[name, str(value)] for name, value in leaves if name.endswith(".seed")]
+    yield grid(["seed", "value"], seeds)
     yield _details("Versions of packages", grid(["package", "version"], sorted(versions.items())))
     recipes = table[["stage", "label", "recipe", "object", "source", "commit"]].to_numpy()
     heads = ["stage", "job", "recipe", "object", "source digest", "commit"]
@@ -136,9 +137,3 @@ def _commit(facts: Mapping[str, Any]) -> str:
     if "commit" not in facts:
         return _UNKNOWN
     return facts["commit"][:8] + ("+" if facts["dirty"] == "true" else "")
-
-
-def _seeds(configuration: Mapping[str, Any]) -> Table:
-    leaves = pd.json_normalize(dict(configuration)).iloc[0]
-    seeds = leaves[[name for name in leaves.index if name.endswith(".seed")]]
-    return grid(["seed", "value"], [[name, str(value)] for name, value in seeds.items()])

@@ -9,12 +9,9 @@ _MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of the reports.
+    """A column of the reports; the unit of a share starts with %.
 
-    Attributes:
-        title: heading without the unit.
-        unit: in which it is shown; a share has one that starts with %.
-        scale: shown number per stored one, which is in SI units, or a share of 1.
+    ``scale`` is the shown number per stored one, which is in SI units, or a share of 1.
     """
 
     title: str

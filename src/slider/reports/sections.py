@@ -15,13 +15,11 @@ PROTOCOLS = ("robust", "sweep", "joystick", "heldout")
 
 
 class PageSection(NamedTuple):
-    """A section as it is declared.
+    """Heading of a section and names of its inputs.
 
-    Attributes:
-        title: its heading.
-        needs: names of its inputs: a target of ``pipeline/targets.py``, such as ``verification``;
-            a group of a target's own inputs, such as ``table1.evaluations``; or ``videos``. With a
-            question mark at its end one that a configuration may be without.
+    One is a target of ``pipeline/targets.py``, such as ``verification``; a group of a target's own
+    inputs, such as ``table1.evaluations``; or ``videos``. One that a configuration may be without
+    has a question mark at its end.
     """
 
     title: str

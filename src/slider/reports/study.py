@@ -160,12 +160,8 @@ def summarise(
     ``low``, ``high``: 95 % interval of the mean, by Student's t over the runs; of a share of runs,
     or of the robots of a single run, Wilson's. ``change``: mean difference from the reference, the
     first variant, paired by seed where that has several runs, with its interval by Student's t.
-    A variant without a result is one row with its note.
-
-    Args:
-        runs: a row per variant, seed and speed [m/s].
-        variants: name, label, changes and note of each.
-        metrics: columns of ``runs``.
+    ``runs`` have a row per variant, seed and speed [m/s]; ``variants`` are name, label, changes and
+    note of each: one without a result is one row with its note.
     """
     reference, table = variants[0][0], []
     for metric in (name for name in metrics if name in runs):

@@ -15,13 +15,9 @@ from slider.reports.quantities import Quantity
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table.
+    """Text of a cell, Markdown with ``code`` and **bold**, and the number behind it, if any.
 
-    Attributes:
-        text: Markdown with ``code`` and **bold**.
-        key: the number behind the text, if any; columns with numbers are aligned on the right.
-        best: whether it is the best of its line, which is bold.
-        failed: whether it breaks a bound, which is red on the page.
+    The ``best`` of a line is bold; one that breaks a bound, ``failed``, is red on the page.
     """
 
     text: str

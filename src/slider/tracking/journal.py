@@ -97,11 +97,8 @@ def current_session(artefacts: Path) -> Path | None:
 class SessionInfo:
     """Settings of a session, for its writer.
 
-    Attributes:
-        experiment: name of the MLflow experiment.
-        owner: process whose end ends the session.
-        tags: of all runs, such as the commit.
-        apart: stage → experiment of its own, for many runs that would bury the others.
+    It ends with the process ``owner``. All runs have the ``tags``, such as the commit. ``apart``
+    are stage → experiment of its own, for many runs that would bury the others.
     """
 
     experiment: str

@@ -23,11 +23,8 @@ _HIP = np.zeros(2)
 class LegPair:
     """Angles [rad] about +y and lengths [m] at a knee flexion; the foot is level.
 
-    Attributes:
-        flexion: θ.
-        thigh, shank, length: l₁, l₂ and l.
-        knee, exact, printed: hip pitch and ankle angle of the virtual leg, and of the prismatic
-            leg by the exact and by the printed map.
+    ``knee``, ``exact`` and ``printed`` are hip pitch and ankle angle of the virtual leg, and of the
+    prismatic leg by the exact and by the printed map.
     """
 
     flexion: float
@@ -82,8 +79,7 @@ def draw_legs(axes: Axes, geometry: Geometry, legs: LegPair, lettered: bool) -> 
         texts.append(f"$q{prime}_α = {alpha:.2f}$, $q{prime}_β = {beta:.2f}$")
     axes.set_xlabel("\n".join(texts), fontsize=7)
     if lettered:
-        _letter_lengths(axes, legs)
-        _letter_angles(axes, legs)
+        _letter(axes, legs)
 
 
 def _mapped(
@@ -94,7 +90,8 @@ def _mapped(
     return float(leg.hip_pitch), float(leg.ankle)
 
 
-def _letter_lengths(axes: Axes, legs: LegPair) -> None:
+def _letter(axes: Axes, legs: LegPair) -> None:
+    """A letter for each length; an arc for each angle, between the lines that it is between."""
     for start, end, colour, text in (
         (_HIP, legs.middle, DARK, "$l_1$"),
         (legs.middle, legs.ankle, DARK, "$l_2$"),
@@ -103,9 +100,6 @@ def _letter_lengths(axes: Axes, legs: LegPair) -> None:
         x, z = (end - start) / np.linalg.norm(end - start)
         _text(axes, 0.6 * end + 0.4 * start + 0.035 * np.array([z, -x]), text, colour)
 
-
-def _letter_angles(axes: Axes, legs: LegPair) -> None:
-    """An arc for each angle, between the lines that it is measured from and to."""
     thigh, leg, shank = legs.knee[0], legs.exact[0], legs.knee[0] - legs.flexion
     for start, pitch, colour in (
         (_HIP, 0.0, DARK),
@@ -123,9 +117,7 @@ def _letter_angles(axes: Axes, legs: LegPair) -> None:
         (legs.ankle, 0.26, shank + _NORMAL, _NORMAL, DARK, "$q'_β$"),
     ):
         low, high = sorted(np.degrees([-np.pi / 2 - first, -np.pi / 2 - second]))
-        axes.add_patch(
-            Arc((centre[0], centre[1]), size, size, theta1=low, theta2=high, color=colour)
-        )
+        axes.add_patch(Arc(centre, size, size, theta1=low, theta2=high, color=colour))
         _text(axes, centre + (0.5 * size + 0.045) * _down((first + second) / 2), text, colour)
 
 

@@ -28,43 +28,35 @@ _WIDE = 30.0  # ratio of the numbers from which on an axis is logarithmic
 def draw(summary: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     """Dots are means, bars reach from the least to the greatest run; bands do so for curves.
 
-    Args:
-        summary: as :func:`slider.reports.study.summarise` makes it.
-        curves: checks of trainings, by variant, seed and samples; may be empty.
+    ``summary`` is that of :func:`slider.reports.study.summarise`; ``curves`` are the checks of
+    trainings, by variant, seed and samples, and may be empty.
     """
     summary = summary.dropna(subset="metric")
     labels = dict(zip(summary["variant"], summary["label"], strict=True))
-    metrics, speeds = (
-        summary["metric"].unique()[:PANELS],
-        np.sort(summary["speed"].dropna().unique()),
-    )
+    metrics = summary["metric"].unique()[:PANELS]
+    speeds = np.sort(summary["speed"].dropna().unique())
     above = 0.0 if curves.empty else 2.8  # [inch]
     below = 1.2 + max(0.22, 0.1 * len(speeds)) * len(labels)
     figure = new_figure(above + below)
     figure.set_layout_engine("constrained", w_pad=_MARGIN)
     heights = [height for height in (above, below) if height]
-    *upper, lower = np.atleast_1d(
-        np.asarray(figure.subfigures(len(heights), height_ratios=heights))
-    )
+    parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)
+    *upper, lower = parts[:, 0]
     for part in upper:
         _draw_curves(part, curves, labels)
-    panels = np.atleast_1d(lower.subplots(1, len(metrics), sharey=True))
+    panels = lower.subplots(1, len(metrics), sharey=True, squeeze=False)[0]
     for axes, metric in zip(panels, metrics, strict=True):
-        _draw_dots(
-            axes, summary[summary["metric"] == metric], list(labels), quantity(metric), speeds
-        )
-    panels[0].set_yticks(
-        range(len(labels)), [fill(text, 30, break_long_words=False) for text in labels.values()]
-    )
+        mine = summary[summary["metric"] == metric]
+        _draw_dots(axes, mine, list(labels), quantity(metric), speeds)
+    names = [fill(text, 30, break_long_words=False) for text in labels.values()]
+    panels[0].set_yticks(range(len(labels)), names)
     panels[0].set_ylim(len(labels) - 0.5, -0.5)
-    handles = [_marker(index, label=f"{speed_text(v)} m/s") for index, v in enumerate(speeds)]
+    handles = []
+    for index, speed in enumerate(speeds):
+        look = {"color": colour(index), "marker": _MARKERS[index % len(_MARKERS)], "markersize": 4}
+        handles.append(Line2D([], [], linestyle="", label=f"{speed_text(speed)} m/s", **look))
     lower.legend(handles=handles, loc="outside lower center", ncols=7)
     return figure
-
-
-def _marker(index: int, **settings: str) -> Line2D:
-    shape = _MARKERS[index % len(_MARKERS)]
-    return Line2D([], [], color=colour(index), marker=shape, linestyle="", markersize=4, **settings)
 
 
 def _draw_dots(
@@ -80,8 +72,7 @@ def _draw_dots(
         if row.variant == variants[0] and len(variants) > 1:
             axes.axvline(mean, color=LIGHT, linewidth=0.7, linestyle=":")
         axes.plot([least, greatest], [y, y], color=colour(index), linewidth=0.9)
-        shape = _MARKERS[index % len(_MARKERS)]
-        axes.plot(mean, y, shape, color=colour(index), markersize=3.6)
+        axes.plot(mean, y, _MARKERS[index % len(_MARKERS)], color=colour(index), markersize=3.6)
     positive = numbers[numbers > 0]
     if metric.share:  # with 0 and 1 % at least
         low, high = np.nanmin([0.0, *numbers.flat]), np.nanmax([1.0, *numbers.flat])
@@ -98,16 +89,13 @@ def _draw_curves(figure: SubFigure, curves: pd.DataFrame, labels: dict[str, str]
     for axes, (name, title) in zip(figure.subplots(1, len(CURVES)), CURVES.items(), strict=True):
         factor = 100.0 if name == "success" else 1.0
         for index, (variant, label) in enumerate(labels.items()):
-            groups = factor * curves[curves["variant"] == variant].set_index("samples")[name]
-            groups = groups.groupby(level=0)
-            mean, dash = groups.mean(), _DASHES[index // 7 % len(_DASHES)]
-            axes.plot(mean.index / 1e6, mean, dash, color=colour(index), label=label, marker=".")
-            edges = groups.min(), groups.max()
-            axes.fill_between(
-                mean.index / 1e6, *edges, color=colour(index), alpha=0.12, linewidth=0
-            )
-        axes.set_title(title)
-        axes.set_xlabel("samples [million]")
+            values = factor * curves[curves["variant"] == variant].set_index("samples")[name]
+            groups = values.groupby(level=0)
+            mean, tint, dash = groups.mean(), colour(index), _DASHES[index // 7 % len(_DASHES)]
+            millions = mean.index / 1e6
+            axes.plot(millions, mean, dash, color=tint, label=label, marker=".")
+            axes.fill_between(millions, groups.min(), groups.max(), color=tint, alpha=0.12, lw=0)
+        axes.set(title=title, xlabel="samples [million]")
         axes.set_ylim(bottom=0)
     handles, names = axes.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3)

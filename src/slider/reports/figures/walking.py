@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.config.evaluation import CaseConfig
+from slider.config.evaluation import EvaluationConfig
 from slider.evaluation.results import Evaluation
+from slider.evaluation.segments import profile_of
 from slider.reports.figures.style import DARK, new_figure
 from slider.reports.quantities import PAPER, colour, speed_text
 from slider.reports.rows import Row, by
@@ -95,8 +96,9 @@ def _look(index: int) -> dict[str, Any]:
     return {"color": colour(index), "linestyle": _DASHES[index % len(_DASHES)]}
 
 
-def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration: float) -> Figure:
-    """One panel per velocity and one for the share of robots that are up; ``duration`` in s."""
+def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Figure:
+    """One panel per velocity and one for the share of robots that are up."""
+    (case,), duration = profile_of(protocol).cases, protocol.duration
     figure = new_figure(6.4)
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
     traces = [one.traces for one in evaluations if one.traces is not None]

@@ -96,7 +96,10 @@ def portrait(gait: Gait, joint: str) -> Portrait:
         end = np.interp(roll, roll[landed], end[landed])
     phase = np.where(np.isfinite(end), end, 1.0)[:, None] * _PHASE
     sheet = np.stack(np.broadcast_arrays(roll[:, None], *_joint(gait, joint, phase)))
-    return Portrait(orbit, sheet, landed, _after(gait, joint))
+    # The swing leg of the second step is the left one.
+    position, velocity = _joint(gait, joint.replace("right", "left"), np.zeros(1), step=1)
+    image = np.array([gait.roll[1, 0, 0], position[0], velocity[0]])
+    return Portrait(orbit, sheet, landed, image)
 
 
 def touchdown(gait: Gait, roll: np.ndarray) -> np.ndarray:
@@ -149,12 +152,6 @@ def _joint(
         names, values = joint_names(geometry), gait.joints(step, flat)
     position, velocity = (value[:, names.index(joint)].reshape(phase.shape) for value in values)
     return position, velocity
-
-
-def _after(gait: Gait, joint: str) -> np.ndarray:
-    """State (3,) at the start of the second step, whose swing leg is the left one."""
-    position, velocity = _joint(gait, joint.replace("right", "left"), np.zeros(1), step=1)
-    return np.array([gait.roll[1, 0, 0], position[0], velocity[0]])
 
 
 def _draw(axes: Axes3D, shown: Portrait) -> None:

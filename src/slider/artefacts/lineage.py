@@ -2,13 +2,12 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from typing import Any
 
 from slider.artefacts.current import recent_plans
+from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
-from slider.core.errors import UserError
 
 NEVER = "never computed"
 LOST = "object damaged or missing"
@@ -36,7 +35,8 @@ def differences(
         elif other.recipe != recipe:
             texts = _causes(other, job, keys)
         else:
-            objects = {_object(store, job) for store in stores} - {None}
+            paths = (store.manifest_path(job.stage, job.recipe) for store in stores)
+            objects = {manifest.result.object for manifest in map(readable, paths) if manifest}
             first = differing.isdisjoint(item.recipe for item in job.needs)
             texts = ["other bytes of the same recipe"] if len(objects) == 2 and first else []
             differing |= {recipe} if len(objects) == 2 else set()
@@ -62,12 +62,6 @@ def _partners(old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]) -> dict[st
         if recipe not in old and (others := left.get((job.stage, job.label))):
             partners[recipe] = others.pop(0)
     return partners
-
-
-def _object(store: Store, job: JobSpec) -> str | None:
-    with suppress(UserError):
-        return store.read_manifest(job.stage, job.recipe).result.object
-    return None
 
 
 def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[str]]]:

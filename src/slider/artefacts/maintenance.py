@@ -3,12 +3,12 @@
 import os
 import shutil
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 
 from slider.artefacts.manifest import Result, readable
-from slider.artefacts.plan import plan_paths, read_plan
+from slider.artefacts.plan import plan_paths, read_plan, readable_plan
 from slider.artefacts.store import Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
@@ -58,7 +58,7 @@ def verify(store: Store) -> Removed:
         UserError: a job is running.
     """
     with nobody_else(store.locks):
-        unreadable = [path for path in plan_paths(store.root / "plans") if not _is_plan(path)]
+        unreadable = [path for path in plan_paths(store.root / "plans") if not readable_plan(path)]
         for path in store.manifests():
             manifest = readable(path)
             if not manifest or path != store.manifest_path(manifest.stage, manifest.recipe):
@@ -69,8 +69,7 @@ def verify(store: Store) -> Removed:
         _unlink([*unreadable, *derived])
         dropped = _drop(store, corrupt, store.manifests())
         shown = (path for path in derived if path.parent.parent == store.root)
-        names = _names(store, shown), _names(store, unreadable)
-        return Removed(dropped.objects, dropped.manifests, *names)
+        return replace(dropped, derived=_names(store, shown), unreadable=_names(store, unreadable))
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
@@ -179,10 +178,3 @@ def _names(store: Store, paths: Iterable[Path]) -> list[str]:
 def _objects(store: Store) -> list[str]:
     """Names of objects, whatever is in them."""
     return sorted(path.name for path in (store.root / "objects").glob("*/" + "[0-9a-f]" * 64))
-
-
-def _is_plan(path: Path) -> bool:
-    try:
-        return bool(read_plan(path))
-    except UserError:
-        return False

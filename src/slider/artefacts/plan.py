@@ -116,6 +116,14 @@ def read_plan(path: Path) -> Plan:
     raise UserError(f"expected a plan, found none at {path}")
 
 
+def readable_plan(path: Path) -> Plan | None:
+    """A plan, if the file is one."""
+    try:
+        return read_plan(path)
+    except UserError:
+        return None
+
+
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are digested and stored once: gaits share most of theirs."""
     parts, codes, jobs = {}, {}, {}

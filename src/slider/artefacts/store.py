@@ -11,7 +11,7 @@ system releases them when a process ends, however it does.
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -230,19 +230,13 @@ def nobody_else(folder: Path) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def _held(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
+def _held(folder: Path, name: str, timeout: float = -1) -> AbstractContextManager[Any]:
     path = folder / f"{name}.lock"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(path, timeout)
-        lock.acquire()
+        return FileLock(path, timeout).acquire()
     except Timeout:  # an OSError, too
         raise
     except (OSError, NotImplementedError) as error:
         reason = getattr(error, "strerror", "a file system without locks")
         raise UserError(f"expected a lock file at {path}, found: {reason}") from None
-    try:
-        yield
-    finally:
-        lock.release()

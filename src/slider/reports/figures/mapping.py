@@ -117,7 +117,9 @@ def _letter(axes: Axes, legs: LegPair) -> None:
         (legs.ankle, 0.26, shank + _NORMAL, _NORMAL, DARK, "$q'_β$"),
     ):
         low, high = sorted(np.degrees([-np.pi / 2 - first, -np.pi / 2 - second]))
-        axes.add_patch(Arc(centre, size, size, theta1=low, theta2=high, color=colour))
+        axes.add_patch(
+            Arc((centre[0], centre[1]), size, size, theta1=low, theta2=high, color=colour)
+        )
         _text(axes, centre + (0.5 * size + 0.045) * _down((first + second) / 2), text, colour)
 
 

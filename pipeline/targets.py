@@ -32,10 +32,6 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
     """Jobs by the name of their target, of those on demand the ones that the page shows.
 
     The arguments are those of ``study_job``.
-
-    Raises:
-        UserError: there is no such section, a protocol or study has a name that is taken, or the
-            page shows a study or the gauge, which cannot be laid out.
     """
     check_sections(config)
     _check_names(config)
@@ -83,19 +79,15 @@ def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     return (*compared(name), f"{name}_runs.csv", *curves)
 
 
-def marker_path(store: Store, target: str) -> Path:
-    """Small file that changes whenever a report must be copied again."""
-    return store.root / "current" / target
-
-
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
     """Make reports look outdated exactly when they are not those of the current plan.
 
-    The file names the plan's recipe. Where reports on disk are other ones all the same (edited by
-    hand, or the store was cleaned), their digests are appended: Snakemake compares the content of
-    small inputs, so a new modification time alone would not do. It sees itself what is missing.
+    Their rule has a file as an input that names the plan's recipe. Where reports on disk are other
+    ones all the same (edited by hand, or the store was cleaned), their digests are appended:
+    Snakemake compares the content of small inputs, so a new modification time alone would not do.
+    It sees itself what is missing.
     """
-    recipe, path = plan.targets[target], marker_path(store, target)
+    recipe, path = plan.targets[target], store.root / "current" / target
     words = path.read_text("utf-8", "replace").split() if path.is_file() else []
     manifest = readable(store.manifest_path(plan.jobs[recipe].stage, recipe))
     table = manifest.result.files if manifest else {}

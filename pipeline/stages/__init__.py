@@ -7,7 +7,6 @@ it is in the recipe.
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
 controllers of ``conf/control``; those that walk by gaits need the library and its foot placement.
-Studies compare several configurations: ``pipeline.studies``.
 """
 
 from dataclasses import replace
@@ -47,11 +46,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs up to Table 1 by the name of their target.
-
-    Raises:
-        UserError: a controller of Table 1 cannot walk these gaits.
-    """
+    """Jobs up to Table 1 by the name of their target."""
     check_walkable(config, "evaluation.controllers", config.evaluation.controllers)
     library = library_job(config)
     trainings = training_jobs(config, library)

@@ -162,11 +162,7 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The comparison, and with it a job per controller and axis.
-
-    Raises:
-        UserError: an exported policy is not there, or a controller cannot walk the gaits.
-    """
+    """The comparison, and with it a job per controller and axis."""
     gauge = config.gauge
     check_walkable(config, "gauge.controllers", gauge.controllers)
     protocol = only(to_dict(gauge), *(item.name for item in fields(GaugeProtocol)))

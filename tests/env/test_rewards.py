@@ -242,11 +242,11 @@ def brute_force(view: View, keep: np.ndarray, gait: str = "nearest") -> np.ndarr
     Half way between two gaits the samples of the interpolated one are their means.
     """
     gaits, observed = library(), observed_channels(view).numpy()
-    result = []
+    samples, result = gaits.arrays["samples"], []
     for command, seen in zip(view.command.numpy(), observed, strict=True):
-        distance = [np.hypot(*(v - command[:2])) for v in gaits.planar_velocities]
+        distance = [np.hypot(*(v - command[:2])) for v in gaits.velocities[:, :2]]
         near = np.argsort(distance)[: 1 if gait == "nearest" else 2]
-        errors = [np.linalg.norm((seen - s)[keep]) for s in gaits.samples[near].mean(axis=0)]
+        errors = [np.linalg.norm((seen - s)[keep]) for s in samples[near].mean(axis=0)]
         assert len(errors) == 42
         result.append(min(errors))
     return np.array(result)

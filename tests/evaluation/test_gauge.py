@@ -36,8 +36,8 @@ def test_levels_get_harder_and_each_has_its_own_words(axis):
 
 @pytest.mark.parametrize("axis", AXES)
 def test_an_axis_changes_one_thing_alone(axis):
-    base, sensing = SETTINGS.disturbance, SETTINGS.sensing
-    changed = disturbed(base, sensing, axis, SETTINGS.values(axis)[6], 1.0)
+    base = SETTINGS.disturbance
+    changed = disturbed(SETTINGS, axis, SETTINGS.values(axis)[6], 1.0)
     different = [name for name in vars(base) if getattr(base, name) != getattr(changed, name)]
     of = {"motor_strength": "motor_gain", "sensor_noise": "sensing"}
     assert different == ["terrain" if axis in TERRAINS else of.get(axis, axis)]

@@ -35,7 +35,7 @@ def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
 
 
 def test_the_impact_is_that_of_the_gaits():
-    for samples, roll in zip(library().samples, library().arrays["roll"], strict=True):
+    for samples, roll in zip(*(library().arrays[n] for n in ("samples", "roll")), strict=True):
         right = np.arange(42) >= 21
         q, v = (
             np.c_[roll[..., k].ravel(), stance_first(samples[:, 12 * k + DRIVEN], right, SIGNS)]

@@ -41,7 +41,7 @@ def test_a_step_from_the_collocated_gait_ends_where_the_gait_does():
     flow = loop().step(steps()[0], start(steps()[0], settings()))
     assert flow.alive.all()
     np.testing.assert_allclose(flow.phase, 1.0, atol=1e-3)
-    np.testing.assert_allclose(flow.time, library().step_time[:, 0], atol=1e-3)
+    np.testing.assert_allclose(flow.time, library().arrays["step_time"][:, 0], atol=1e-3)
     np.testing.assert_allclose(flow.landed.state, start(steps()[1], settings()), atol=1e-2)
 
 

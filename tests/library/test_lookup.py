@@ -56,7 +56,7 @@ def test_it_does_not_blend_across_the_touchdown(table):
 
 
 def test_quaternions_are_unit_and_do_not_cancel(library):
-    flipped = library.base.copy()
+    flipped = library.arrays["base"].copy()
     flipped[::2, :, 3:7] *= -1  # q and −q are the same attitude
     other = replace(library, arrays={**library.arrays, "base": flipped})
     rng = np.random.default_rng(0)

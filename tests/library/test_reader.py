@@ -44,9 +44,9 @@ def test_arrays_are_read_when_asked_for_and_once(store, tmp_path: Path):
     path = tmp_path / "library.zarr"
     shutil.copytree(store, path)
     library = GaitLibrary.load(path)
-    read = library.samples
+    read = library.arrays["samples"]
     shutil.rmtree(path)
-    assert library.samples is read
+    assert library.arrays["samples"] is read
     np.testing.assert_array_equal(read[1], value("samples", 0.5, 0.1))
     with pytest.raises(KeyError):
         library.arrays["base"]

@@ -56,7 +56,7 @@ def test_same_gaits_give_the_same_bytes_whatever_zarr_is_told(gaits, tmp_path: P
     assert zarr.config.get("array.order") == "F"
     assert stores[0] == stores[1]
     assert len(stores[0]) > len(ARRAYS)
-    assert GaitLibrary.load(tmp_path / "one" / "library.zarr").samples.flags.c_contiguous
+    assert GaitLibrary.load(tmp_path / "one" / "library.zarr").arrays["samples"].flags.c_contiguous
 
 
 def test_holes_are_refused_with_the_constraint_that_is_violated(with_a_hole, tmp_path: Path):
@@ -77,8 +77,8 @@ def test_an_allowed_hole_is_left_out_but_for_what_it_violates(with_a_hole, tmp_p
     summary = run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
     assert summary["holes"] == [[0.5, 0.1, 0.0]]
     contents = GaitLibrary.load(tmp_path / "out" / "library.zarr")
-    np.testing.assert_array_equal(contents.planar_velocities, [VELOCITIES[0], VELOCITIES[2]])
-    np.testing.assert_array_equal(contents.samples[1], value("samples", 1.0, -0.1))
+    np.testing.assert_array_equal(contents.velocities[:, :2], [VELOCITIES[0], VELOCITIES[2]])
+    np.testing.assert_array_equal(contents.arrays["samples"][1], value("samples", 1.0, -0.1))
     (hole,) = contents.holes
     assert (hole.vx, hole.vy, hole.status) == (0.5, 0.1, "Infeasible_Problem_Detected")
     assert [text.split()[0] for text in hole.violated] == ["slide_force", "impact"]

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from pipeline.targets import RULES, all_targets, marker_path, refresh_marker, report_files
+from pipeline.targets import RULES, all_targets, refresh_marker, report_files
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.core.errors import UserError
@@ -56,7 +56,7 @@ def test_a_marker_changes_whenever_the_report_is_not_the_plan_s(store, tmp_path)
     job = JobSpec("table1", "table 1", Code("a:run", "", {}), {})
     plan, report = build_plan({"table1": job}), tmp_path / "table1.csv"
     compute(store, job, table1="a\n")
-    marker = marker_path(store, "table1")
+    marker = store.root / "current" / "table1"
 
     def refreshed() -> list[str]:
         refresh_marker(store, plan, "table1", [report])

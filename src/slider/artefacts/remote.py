@@ -108,11 +108,7 @@ class Remote:
         raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
 
     def read(self, name: str, limit: int) -> bytes | None:
-        """Content of a small file, if it is there.
-
-        Raises:
-            DamageError: see ``fetch``.
-        """
+        """Content of a small file, if it is there; errors as of ``fetch``."""
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / "copy"
             return copy.read_bytes() if self.fetch(name, copy, limit) else None

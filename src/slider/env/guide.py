@@ -53,7 +53,8 @@ class Guide:
         self._gait, self._like, self._geometry = gait, like, geometry
         self.weights = like.new_tensor(joint_weights(geometry))
         self._table = tensors(table, like)
-        self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
+        samples = library.arrays["samples"]
+        self._samples = torch.asarray(samples, dtype=torch.float32, device=like.device)
         self._active = torch.asarray(_ACTIVE, device=like.device)
         self._velocities = torch.asarray(library.velocities, dtype=like.dtype, device=like.device)
         self._norms = {

@@ -59,11 +59,11 @@ def walk(
     state = physics.read()
     velocities = library.velocities.copy()
     velocities[(velocities == 0.0).all(axis=1), 0] = _IN_PLACE
-    turn = velocities[:, 2] * library.step_time[:, 0]
+    turn = velocities[:, 2] * library.arrays["step_time"][:, 0]
     controller.start_on_gait(state, velocities, -turn / 2)
     alive, walked = np.ones(len(library), dtype=bool), np.zeros(len(library), dtype=int)
     ticks, distance = np.zeros(len(library)), np.zeros(len(library))
-    longest = _PATIENCE * steps * library.step_time.max()
+    longest = _PATIENCE * steps * library.arrays["step_time"].max()
     for tick in range(round(longest / physics.period)):
         physics.step(controller.control(state))
         state = physics.read()
@@ -82,7 +82,7 @@ def walk(
 
 def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
     """Positions (G, 19) and velocities (G, 18) at the start of each gait."""
-    base, samples = library.base[:, 0], library.samples[:, 0]
+    base, samples = library.arrays["base"][:, 0], library.arrays["samples"][:, 0]
     qpos = np.concatenate([base[:, :7], samples[:, :NUM_JOINTS]], axis=1)
     qvel = np.concatenate([base[:, 7:], samples[:, NUM_JOINTS : 2 * NUM_JOINTS]], axis=1)
     return qpos, qvel

@@ -52,24 +52,20 @@ def words(axis: str, value: float) -> str:
 
 
 def disturbed(
-    base: DisturbanceConfig,
-    sensing: SensingConfig,
-    axis: str,
-    value: float,
-    direction: float | None = None,
+    protocol: GaugeProtocol, axis: str, value: float, direction: float | None = None
 ) -> DisturbanceConfig:
-    """A disturbance with a value of an axis, in SI units, in the place of that of ``base``.
+    """The protocol's disturbance but with a value of an axis, in SI units.
 
-    ``sensor_noise`` multiplies the white noise ``sensing``. The direction of pushes is counted from
+    ``sensor_noise`` multiplies the protocol's white noise. The direction of pushes is counted from
     forward towards left [rad].
     """
-    exactly = Interval(value, value)
+    base, exactly = protocol.disturbance, Interval(value, value)
     if axis in TERRAINS:
         return replace(base, terrain=TerrainConfig([axis], exactly, False))  # pyright: ignore[reportArgumentType]
     if axis == "push":
         return replace(base, push=replace(base.push, impulse=exactly, direction=direction))
     if axis == "sensor_noise":
-        noise = {name: value * deviation for name, deviation in vars(sensing).items()}
+        noise = {name: value * deviation for name, deviation in vars(protocol.sensing).items()}
         return replace(base, sensing=SensingConfig(**noise))
     name = "motor_gain" if axis == "motor_strength" else axis
     return replace(base, **{name: exactly})
@@ -80,7 +76,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     torch.set_num_threads(job.threads)
     protocol = from_dict(GaugeProtocol, section["protocol"])
     values, directions = section["values"], section["directions"]
-    seeds = seeds_of(protocol)
     rows, failed, tested = [], False, 0
     for level, value in enumerate(values, 1):
         passed = 0
@@ -90,7 +85,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
             if not failed:
                 counts = _measure(section, inputs, protocol, value, direction, job.threads)
                 passed += counts["passed"].sum()
-            for block, place in enumerate(product(seeds, protocol.speeds)):
+            for block, place in enumerate(product(seeds_of(protocol), protocol.speeds)):
                 found = [column[block] for column in counts.values()]
                 rows.append([level, value, direction, *place, protocol.robots, *found])
         tested += not failed
@@ -109,13 +104,12 @@ def _measure(
     threads: int,
 ) -> dict[str, np.ndarray]:
     """Columns ``COUNTS`` of all seeds and speeds at a level."""
-    axis, seeds = section["axis"], seeds_of(protocol)
-    config = disturbed(protocol.disturbance, protocol.sensing, axis, value, direction)
-    if axis == "sensor_noise":
+    config = disturbed(protocol, section["axis"], value, direction)
+    if section["axis"] == "sensor_noise":
         section = with_noisier_sensors(section, value)
     robot = from_dict(RobotConfig, section["robot"])
-    starts, velocities = at_speeds(robot, protocol.start, seeds, protocol.robots, protocol.speeds)
-    disturbance = Disturbance(config, tuple(seeds))
+    starts, velocities = at_speeds(robot, protocol, protocol.speeds)
+    disturbance = Disturbance(config, tuple(seeds_of(protocol)))
     built = _simulate_exported if "policy" in inputs else simulate
     simulated = built(section, inputs, len(velocities), disturbance, threads)
     if "control" not in section:

@@ -3,7 +3,7 @@
 It fixes plant, starts, velocities, terminations, disturbances and records.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +13,7 @@ import torch
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
-from slider.config.env import EnvConfig, PlantConfig, StartNoise
+from slider.config.env import EnvConfig, PlantConfig
 from slider.config.evaluation import CaseConfig, EvaluationConfig, GaugeProtocol
 from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
@@ -49,14 +49,13 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(EvaluationConfig, section["evaluation"])
     robot, speed = from_dict(RobotConfig, section["robot"]), section["speed"]
     case = from_dict(CaseConfig, section["case"]) if section.get("case") else None
-    seeds, count = seeds_of(config), config.trials * config.robots
-    disturbance = Disturbance(config.disturbance, tuple(seeds))
-    simulated = simulate(section, inputs, count, disturbance, job.threads)
-    start, command = at_speeds(robot, config.start, seeds, config.robots, [speed or 0.0])
+    start, command = at_speeds(robot, config, [speed or 0.0])
+    disturbance = Disturbance(config.disturbance, tuple(seeds_of(config)))
+    simulated = simulate(section, inputs, len(command), disturbance, job.threads)
     if case is not None:
         ramp, period = profile_of(config).ramp, simulated.env.control_period
         values = segments.velocities(case, ramp, config.duration, period)
-        command = np.repeat(values[:, None], count, axis=1)
+        command = np.repeat(values[:, None], len(command), axis=1)
     recording = roll_out(
         *simulated,
         start,
@@ -103,16 +102,13 @@ def seeds_of(config: EvaluationConfig | GaugeProtocol) -> range:
 
 
 def at_speeds(
-    robot: RobotConfig,
-    noise: StartNoise,
-    seeds: Iterable[int],
-    robots: int,
-    speeds: Sequence[float],
+    robot: RobotConfig, protocol: EvaluationConfig | GaugeProtocol, speeds: Sequence[float]
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
     """Starts (N, 19), (N, 18) and commanded velocities (N, 3) of constant speeds [m/s].
 
-    In blocks of a seed, and in these of a speed with ``robots`` each: all speeds start alike.
+    In blocks of a seed, and in these of a speed with its robots: all speeds start alike.
     """
+    noise, robots, seeds = protocol.start, protocol.robots, seeds_of(protocol)
     draws = [at_rest(robot, noise, np.random.default_rng(seed), robots) for seed in seeds]
     qpos, qvel = zip(*(start for start in draws for _ in speeds), strict=True)
     velocities = np.zeros((len(qpos) * robots, 3))

@@ -106,7 +106,7 @@ def _measure(
 ) -> tuple[dict[str, float], float]:
     """Success and error of each speed, and the score."""
     robot, speeds = from_dict(RobotConfig, section["robot"]), section["speeds"]
-    starts = at_speeds(robot, config.start, [config.seed], config.robots, speeds)
+    starts = at_speeds(robot, config, speeds)
     section = section | {"control": with_settings(section["control"], settings)}
     disturbance = Disturbance(config.disturbance, (config.seed,))
     plant = simulate(section, inputs, len(starts[1]), disturbance, threads)

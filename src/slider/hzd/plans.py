@@ -88,10 +88,10 @@ def _plan(
     model: RootedModel,
     config: VirtualConstraintsConfig,
 ) -> StepPlan:
-    n, duration = len(gaits), library.step_time[gaits, step]
+    n, duration = len(gaits), library.arrays["step_time"][gaits, step]
     per_phase = duration[:, None] ** np.arange(3)
     rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
-    clock = library.planar_velocities[gaits, 0] < config.slowest_hip
+    clock = library.velocities[gaits, 0] < config.slowest_hip
     empty = NodeTable(*np.zeros((2, n, 2, 1)))
     plan = StepPlan(
         library.arrays["coefficients"][gaits, step],

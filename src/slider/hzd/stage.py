@@ -50,7 +50,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     loop = closed_loop(library, config, job)
     steps = plans(library, gaits, loop.model, config)
     clock = steps[0].clock
-    slow = clock | (library.planar_velocities[gaits, 0] <= config.fastest_clock)
+    slow = clock | (library.velocities[gaits, 0] <= config.fastest_clock)
     timed = [replace(plan, clock=np.ones_like(clock)) for plan in steps]
     names = [velocity_text(library.velocities[gait]) for gait in gaits]
     kinds = []

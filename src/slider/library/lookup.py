@@ -60,10 +60,10 @@ class GaitTable:
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
         """Fill every node of the library's mesh of velocities."""
-        mesh = library.mesh
-        values = np.concatenate([library.samples, aligned(library.base)], axis=2)
+        mesh, arrays = library.mesh, library.arrays
+        values = np.concatenate([arrays["samples"], aligned(arrays["base"])], axis=2)
         reference = np.tensordot(mesh.node_weights, values, axes=1)
-        step_time = mesh.node_weights @ library.step_time.mean(axis=1)
+        step_time = mesh.node_weights @ arrays["step_time"].mean(axis=1)
         return cls(StepTimes(mesh.vx, mesh.vy, mesh.yaw_rate, step_time), reference)
 
     @property

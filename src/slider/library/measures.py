@@ -26,8 +26,8 @@ def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
-    speeds = library.samples[..., _SPEEDS][..., EXTENSION::LEG_SIZE]
-    return np.abs(speeds).max(axis=(1, 2))
+    speeds = library.arrays["samples"][..., _SPEEDS]
+    return np.abs(speeds[..., EXTENSION::LEG_SIZE]).max(axis=(1, 2))
 
 
 def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:

@@ -1,9 +1,6 @@
-"""The gait library: layout of its Zarr store, and reading it.
+"""Layout and reading of the gait library, see ``docs/reference/gait-library.md``."""
 
-The layout is documented in ``docs/reference/gait-library.md``.
-"""
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -94,6 +91,7 @@ ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
 OUTCOME = ("holes", "cost_unit")
 
 
+_NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
 _REMAKE = "make it again with `snakemake -j2 gait_library`"
 _SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
@@ -152,7 +150,7 @@ class GaitLibrary:
         if version != VERSION:
             expected = f"expected version {VERSION} of the gait library, found {version}"
             raise UserError(f"{path}: {expected}; {_REMAKE}")
-        for name in (*ARRAYS, *COORDINATES, CONSTRAINT, *ORIGIN, *OUTCOME):
+        for name in (*_NAMES, *ORIGIN, *OUTCOME):
             if name not in attributes and name not in group:
                 expected = f"expected {name!r} in the gait library, found none"
                 raise UserError(f"{path}: {expected}; {_REMAKE}")
@@ -166,30 +164,6 @@ class GaitLibrary:
     def velocities(self) -> np.ndarray:
         """Commanded velocities (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
         return self.arrays["velocities"]
-
-    @property
-    def planar_velocities(self) -> np.ndarray:
-        """Commanded vx, vy (G, 2) [m/s] alone."""
-        return self.velocities[:, :2]
-
-    @property
-    def samples(self) -> np.ndarray:
-        """Channels (G, S, 26) of ``slider.robot.names``, the first half in left stance."""
-        return self.arrays["samples"]
-
-    @property
-    def base(self) -> np.ndarray:
-        """Motion of the base (G, S, 13), as MuJoCo has a free joint's.
-
-        Position [m] relative to the stance foot at the start of the walk, quaternion w, x, y, z,
-        linear velocity [m/s] (world), angular velocity [rad/s] (base).
-        """
-        return self.arrays["base"]
-
-    @property
-    def step_time(self) -> np.ndarray:
-        """Duration (G, 2) of the two steps [s]."""
-        return self.arrays["step_time"]
 
     @cached_property
     def constraints(self) -> tuple[str, ...]:
@@ -257,12 +231,20 @@ class GaitLibrary:
         raise UserError(f"expected a velocity of the library, found {text}; {nearest}")
 
 
-class _Stored(dict[str, np.ndarray]):
+class _Stored(Mapping[str, np.ndarray]):
     """Arrays of a Zarr group, each read when it is first asked for."""
 
     def __init__(self, group: zarr.Group) -> None:
         self._group: Any = group
+        self._read: dict[str, np.ndarray] = {}
 
-    def __missing__(self, name: str) -> np.ndarray:
-        self[name] = np.asarray(self._group[name][...], order="C")  # zarr.config may say "F"
-        return self[name]
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._read:  # zarr.config may say "F"
+            self._read[name] = np.asarray(self._group[name][...], order="C")
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_NAMES)
+
+    def __len__(self) -> int:
+        return len(_NAMES)

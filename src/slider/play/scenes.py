@@ -166,14 +166,13 @@ class Replay:
     def __init__(self, library: GaitLibrary, velocity: Sequence[float], period: float) -> None:
         index = int(distances(library.velocities, velocity).argmin())
         self.period, self.velocity = period, library.velocities[index]
-        durations = library.step_time[index]
+        names = ("step_time", "base", "samples")
+        durations, base, samples = (library.arrays[name][index] for name in names)
         self._duration = float(durations.sum())
-        first, second = (
-            np.linspace(0.0, duration, library.samples.shape[1] // 2) for duration in durations
-        )
+        half = len(samples) // 2
+        first, second = (np.linspace(0.0, duration, half) for duration in durations)
         self._times = np.concatenate([first, durations[0] + second])
-        joints = library.samples[index, :, :NUM_JOINTS]
-        self._qpos = np.concatenate([library.base[index, :, :7], joints], axis=1)
+        self._qpos = np.concatenate([base[:, :7], samples[:, :NUM_JOINTS]], axis=1)
         self._steps = 0
 
     def start(self, velocity: np.ndarray) -> Frame:

@@ -86,7 +86,9 @@ def test_a_gait_of_the_library_is_that_gait():
         steps = gaits().at(velocities, np.full(len(velocities), side))
         expected = library().arrays["coefficients"][:, side]
         np.testing.assert_allclose(steps.coefficients, expected, atol=1e-12)
-        np.testing.assert_allclose(steps.duration, library().step_time[:, side], atol=1e-12)
+        np.testing.assert_allclose(
+            steps.duration, library().arrays["step_time"][:, side], atol=1e-12
+        )
 
 
 def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():

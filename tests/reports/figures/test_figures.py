@@ -77,7 +77,7 @@ def test_a_map_has_a_cell_per_gait_and_a_cross_per_hole(library):
     draw_map(axes, library, "eigenvalue", values, "1")
     (cells,) = axes.collections
     middles = [path.get_extents().get_points().mean(axis=0) for path in cells.get_paths()]
-    np.testing.assert_allclose(np.array(middles)[:, 1], library.planar_velocities[:, 1], atol=1e-9)
+    np.testing.assert_allclose(np.array(middles)[:, 1], library.velocities[:, 1], atol=1e-9)
     assert len(middles) == len(library)
     shown = cells.get_array()
     np.testing.assert_array_equal(np.ma.getmaskarray(shown), np.isnan(values))
@@ -94,7 +94,7 @@ def test_limit_cycles_are_closed_and_one_per_velocity(library):
     with style():
         axes = draw_cycles(library).axes[:6]
     gaits = forward_gaits(library, 9)
-    assert library.planar_velocities[gaits].tolist() == [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]
+    assert library.velocities[gaits, :2].tolist() == [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]
     for panel in axes:
         assert len(panel.lines) == 4 * len(gaits)  # two steps, two touchdowns
         for start in range(0, len(panel.lines), 4):

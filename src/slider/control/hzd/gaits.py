@@ -74,10 +74,11 @@ class EnforcedGaits:
             )
         self.constraints, self.reach = constraints, reach
         self._mesh = VelocityMesh.of(library.velocities)
-        time = library.step_time[:, :, None, None]
+        step_time, coefficients = library.arrays["step_time"], library.arrays["coefficients"]
+        time = step_time[:, :, None, None]
         roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
         gains = feedback.gains.swapaxes(1, 2)  # steps come first
-        parts = [library.step_time, library.arrays["coefficients"], roll, feedback.hip, gains]
+        parts = [step_time, coefficients, roll, feedback.hip, gains]
         parts += [feedback.orbit, feedback.placement]
         self._shapes = [part.shape[2:] for part in parts]
         flat = [part.reshape(len(part), len(SIDES), -1) for part in parts]

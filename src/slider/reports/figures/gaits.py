@@ -10,20 +10,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from slider.library.blend import Gait, blend
+from slider.library.blend import blend
 from slider.library.measures import foot_heights, motor_torques
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, LIGHT, MIDDLE, new_figure
+from slider.robot import names
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
-from slider.robot.names import (
-    EXTENSION,
-    LEG_MOTORS,
-    LEG_SIZE,
-    NUM_JOINTS,
-    SIDES,
-    motor_names,
-    velocity_text,
-)
+from slider.robot.names import LEG_MOTORS, NUM_JOINTS, SIDES, velocity_text
 from slider.robot.transmission import by_motor
 
 CYCLES_CAPTION = """\
@@ -37,13 +30,11 @@ says by how much they differ.
 _CYCLES = 9
 _PHASE = np.linspace(0.0, 1.0, 101)
 
-Pieces = list[tuple[np.ndarray, np.ndarray]]
-
 
 def draw_cycles(library: GaitLibrary) -> Figure:
     """Five driven joints and the roll of the stance foot."""
     chosen = forward_gaits(library, _CYCLES)
-    speeds = library.planar_velocities[chosen, 0]
+    speeds = library.velocities[chosen, 0]
     scale = Normalize(0.0, max(float(speeds.max()) * 1.1, 0.1))  # not up to the lightest yellow
     colours = ScalarMappable(scale, COLOURS)
     figure = new_figure(4.6)
@@ -51,14 +42,11 @@ def draw_cycles(library: GaitLibrary) -> Figure:
     for index in chosen:
         gait = blend(library, *library.velocities[index])
         colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
+        steps = [gait.joints(step, _PHASE) for step in range(2)]
         for column, axes in enumerate(panels.flat[:LEG_MOTORS]):
-            _closed_curve(axes, _joint(gait, column), colour)
-        # The second step is reflected, for the world's signs.
-        roll = [
-            (sign * roll[:, 0], sign * roll[:, 1])
-            for roll, sign in zip(gait.roll, (1.0, -1.0), strict=True)
-        ]
-        _closed_curve(panels.flat[-1], roll, colour)
+            _closed_curve(axes, [(q[:, column], v[:, column]) for q, v in steps], colour)
+        left, right = gait.roll[..., :2].swapaxes(1, 2)
+        _closed_curve(panels.flat[-1], [left, -right], colour)  # for the world's signs
     for axes, joint in zip(panels.flat, library.robot.geometry.leg_joints, strict=True):
         unit = "m" if joint == "slide" and library.robot.geometry.knee is None else "rad"
         axes.set(title=joint.replace("_", " "), xlabel=f"[{unit}]", ylabel=f"[{unit}/s]")
@@ -73,7 +61,7 @@ def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
 
     Straight ahead is the leftward velocity nearest to zero that the library has.
     """
-    vx, vy = library.planar_velocities.T
+    vx, vy, _ = library.velocities.T
     straight = np.flatnonzero(np.abs(vy) == np.abs(vy).min())
     # One row: where −0.05 and 0.05 are equally near, the first of them.
     straight = straight[vy[straight] == vy[straight[0]]]
@@ -82,13 +70,8 @@ def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
     return ordered[np.unique(np.abs(vx[ordered] - wanted[:, None]).argmin(axis=1))]
 
 
-def _joint(gait: Gait, column: int) -> Pieces:
-    """Position and velocity (N,) of a joint of the left leg in each step."""
-    steps = [gait.joints(step, _PHASE) for step in range(2)]
-    return [(position[:, column], velocity[:, column]) for position, velocity in steps]
-
-
-def _closed_curve(axes: Axes, pieces: Pieces, colour: object) -> None:
+def _closed_curve(axes: Axes, pieces: Sequence, colour: object) -> None:
+    """Position and velocity (N,) in each step."""
     for (x, y), (next_x, next_y) in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
         axes.plot(x, y, color=colour, linewidth=1.0)
         axes.plot([x[-1], next_x[0]], [y[-1], next_y[0]], ":", color=colour, linewidth=0.7)
@@ -116,7 +99,7 @@ def draw_walks(library: GaitLibrary) -> Figure:
     panels = figure.subplots(len(chosen), len(columns), squeeze=False)
     for row, index in zip(panels, chosen, strict=True):
         draw_tiles(row, library, int(index))
-        row[0].set_ylabel(f"{library.planar_velocities[index, 0]:.2f} m/s")
+        row[0].set_ylabel(f"{library.velocities[index, 0]:.2f} m/s")
     return figure
 
 
@@ -191,19 +174,19 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     for column, axes in enumerate(panels[0]):
         joint = geometry.leg_joints[column]
         title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' and slides else 'rad'}]"
-        columns = [leg * LEG_SIZE + column for leg in legs]
+        columns = [leg * names.LEG_SIZE + column for leg in legs]
         _over_time(axes, library, gait, samples[:, columns], title)
     drives = by_motor(library.robot, library.robot.drives)
-    names = motor_names(geometry)
+    motors = names.motor_names(geometry)
     for column, (axes, drive) in enumerate(zip(panels[1], drives, strict=True)):
-        motor = names[column].removeprefix(f"{SIDES[0]}_")
+        motor = motors[column].removeprefix(f"{SIDES[0]}_")
         title = f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]"
         columns = [leg * LEG_MOTORS + column for leg in legs]
         _over_time(axes, library, gait, torques[:, columns], title)
     panels[0, 0].legend()
     stands = library.arrays["contact"][gait][:, :2] > 0
     force = library.arrays["ground_wrench"][gait][:, 2:3]
-    columns = [NUM_JOINTS + leg * LEG_SIZE + EXTENSION for leg in legs]
+    columns = [NUM_JOINTS + leg * names.LEG_SIZE + names.EXTENSION for leg in legs]
     ground = {
         "ground force z [N]": np.where(stands, force, np.nan),
         "foot height [cm]": 100 * foot_heights(library, gait),

@@ -44,10 +44,10 @@ def draw_map(
     """
     if values.shape != (len(library),):
         raise ValueError(f"{title}: expected {len(library)} values, found {values.shape}")
-    places = np.array([*library.planar_velocities, *((h.vx, h.vy) for h in library.holes)])
+    places = np.array([*library.velocities[:, :2], *((h.vx, h.vy) for h in library.holes)])
     rectangles, limits = [], []
     for axis, value, place in zip(
-        (library.mesh.vx, library.mesh.vy), library.planar_velocities.T, places.T, strict=True
+        (library.mesh.vx, library.mesh.vy), library.velocities[:, :2].T, places.T, strict=True
     ):
         low, high = _borders(axis)
         index, margin = np.searchsorted(axis, value), float((high - low).max()) / 2

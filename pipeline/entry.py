@@ -10,7 +10,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +69,7 @@ class Pipeline:
     store: Store
     conf: Path
     cores: int | None = None
-    session: tracking.Session | None = field(default=None)
+    session: tracking.Session | None = None
 
     @property
     def reports(self) -> dict[str, tuple[str, ...]]:
@@ -169,12 +169,9 @@ class Pipeline:
             tags = {_TAGS[name]: value for name, value in revision().items()}
             apart = {"gait": f"{experiment}-gaits"}
             info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
-            run = {
-                "name": f"pipeline {overrides}".strip()[:_TITLE],
-                "tags": {"plan": self.plan_path.stem, "overrides": overrides},
-                "params": to_dict(self.config),
-            }
-            self.session = tracking.start(artefacts, info, run)
+            name = f"pipeline {overrides}".strip()[:_TITLE]
+            own = {"plan": self.plan_path.stem, "overrides": overrides}
+            self.session = tracking.start(artefacts, info, name, own, to_dict(self.config))
 
     def finish(self, succeeded: bool) -> None:
         """Close the session of this pipeline run."""

@@ -35,7 +35,7 @@ def artefacts(database: Path, tmp_path: Path, monkeypatch) -> Path:
 def start(artefacts: Path, owner: int = os.getpid()) -> Path:
     apart = {"gait": "slider-gaits"}
     info = tracking.SessionInfo("slider", owner, {"git.dirty": "false"}, apart)
-    return tracking.start(artefacts, info, RUN).folder
+    return tracking.start(artefacts, info, **RUN).folder
 
 
 def finish(artefacts: Path, folder: Path) -> None:

@@ -59,7 +59,8 @@ def library_lines(library: GaitLibrary) -> list[str]:
     torque, voltage = measures.motor_shares(library)
     clearances = [100 * measures.clearance(library, i) for i in range(len(library))]
     geometry = library.robot.geometry
-    names, units = channels(geometry), channel_units(geometry)
+    names = channels(geometry)
+    slide_unit = channel_units(geometry)[names.index("left_slide.velocity")]
     lines = [
         f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
@@ -74,11 +75,7 @@ def library_lines(library: GaitLibrary) -> list[str]:
         ("iterations", arrays["iterations"], ""),
         ("motor torque", 100 * torque.max(axis=1), "% of limit"),
         ("motor voltage", 100 * voltage.max(axis=1), "% of the bus"),
-        (
-            "slide speed",
-            measures.slide_speed(library),
-            units[names.index("left_slide.velocity")],
-        ),
+        ("slide speed", measures.slide_speed(library), slide_unit),
         ("clearance", clearances, "cm"),
     ):
         spread = "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))

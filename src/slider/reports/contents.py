@@ -148,9 +148,8 @@ def videos(sources: Sources) -> Blocks:
         yield Text("No videos: `report.video.renderer` is `none`.", "note")
         return
     rows: dict[str, list[dict[str, Any]]] = {}
-    for about, film in sorted(
-        _films(sources), key=lambda one: (one[0]["terrain"], one[0]["speed"])
-    ):
+    films = sorted(_films(sources), key=lambda one: (one[0]["terrain"], one[0]["speed"]))
+    for about, film in films:
         place = f"{about['terrain']}, " if about["terrain"] else ""
         rows.setdefault(f"{place}{speed_text(about['speed'])} m/s", []).append(film)
     if not rows:

@@ -57,14 +57,10 @@ def _blocks(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Ite
     (present, best), label = _present_and_best(trials), section["labels"][name]
     score = f"trial {best['trial']:g} of {len(_of(trials, 0))}, score {best['score']:.3f}"
     heads = [f"control.{name}", "range", f"present, score {present['score']:.3f}", score]
-    body = [
-        [
-            key,
-            f"{limits['lower']:g} to {limits['upper']:g}",
-            *(f"{t[key]:.3g}" for t in (present, best)),
-        ]
-        for key, limits in section["spaces"][name].items()
-    ]
+    body = []
+    for key, limits in section["spaces"][name].items():
+        values = (f"{trial[key]:.3g}" for trial in (present, best))
+        body.append([key, f"{limits['lower']:g} to {limits['upper']:g}", *values])
     yield grid(heads, body, label)
     prefix = f"{SUCCESS}_"
     speeds = [column.removeprefix(prefix) for column in best if column.startswith(prefix)]

@@ -112,17 +112,16 @@ class SessionInfo:
         return cls(**files.read_json(folder / SESSION_FILE))
 
 
-def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Session":
-    """Open a session and start its writer.
-
-    ``run`` describes the pipeline run: its ``name``, ``tags`` and ``params``.
-    """
+def start(
+    artefacts: Path, info: SessionInfo, name: str, tags: Mapping[str, str], params: Mapping
+) -> "Session":
+    """Open a session, with name, tags and parameters of the pipeline run; start its writer."""
     folder = artefacts / "tracking" / time.strftime(f"%Y%m%dT%H%M%S-{os.getpid()}", time.gmtime())
     folder.mkdir(parents=True)
     files.write_json(folder / SESSION_FILE, asdict(info))
     journal = JournalTracker(folder / f"{MAIN}.jsonl")
-    journal.begin(run["name"], run["tags"])
-    journal.log_params(run["params"])
+    journal.begin(name, tags)
+    journal.log_params(params)
     files.write_atomic(artefacts / "tracking" / "current", folder.name + "\n")
     return Session(artefacts, folder, _spawn_writer(artefacts, folder))
 

@@ -22,10 +22,8 @@ def draw(rows: Sequence[Row], cells: Sequence[Row], labels: Mapping[str, str]) -
     heights = [4.2, *[3.2] * math.ceil(len(pushed) / _ACROSS)]
     figure = new_figure(sum(heights))
     grid = figure.add_gridspec(len(heights), _ACROSS, height_ratios=heights)
-    _radar(
-        figure.add_subplot(grid[0, :], projection="polar"),
-        [row for row in rows if "pass_1" in row],
-    )
+    levels = [row for row in rows if "pass_1" in row]
+    _radar(figure.add_subplot(grid[0, :], projection="polar"), levels)
     figure.legend(loc="outside upper center", ncols=_ACROSS)
     for index, (name, mine) in enumerate(pushed.items()):
         place = grid[1 + index // _ACROSS, index % _ACROSS]

@@ -23,16 +23,10 @@ _COLLECTED = ("on_failure", "bounds")  # settings of the collection of checks al
 
 
 def library_job(config: Config) -> JobSpec:
-    """All gaits in one store, and with it the gaits."""
+    """The gait library, and with it all gaits."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
-    section = {
-        "library": to_dict(config.library),
-        # Written into the library beside the gaits.
-        "robot": mechanism(config),
-        **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),
-    }
-    return job("library", "gait library", section, {"gaits": gaits})
+    return gait_library(config, gaits)
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:
@@ -69,6 +63,17 @@ def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
     vx, vy, yaw_rate = velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     return job("gait", f"gait {vx:.2f} {vy:+.2f} m/s{turn}", shared | {"velocity": [*velocity]})
+
+
+def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
+    """All gaits in one store."""
+    section = {
+        "library": to_dict(config.library),
+        # Written into the library beside the gaits.
+        "robot": mechanism(config),
+        **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),
+    }
+    return job("library", "gait library", section, {"gaits": gaits})
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:

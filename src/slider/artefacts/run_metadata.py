@@ -60,21 +60,18 @@ def config_option(overrides: str) -> str:
 
 def run_metadata(artefacts: Path) -> dict[str, str]:
     """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
-    if not (artefacts / _START).is_file():
-        return revision()
-    started, overrides = _started(artefacts)
-    return revision() | {"pipeline_started": started, "overrides": overrides}
+    return revision() | _last_run(artefacts)
 
 
 def last_robot(artefacts: Path) -> list[str]:
     """Overrides of the last pipeline run that are about the robot; none before the first."""
-    if not (artefacts / _START).is_file():
-        return []
-    overrides = shlex.split(_started(artefacts)[1])
+    overrides = shlex.split(_last_run(artefacts).get("overrides", ""))
     return [text for text in overrides if text.startswith(("robot=", "robot."))]
 
 
-def _started(artefacts: Path) -> tuple[str, str]:
-    """Start of the last pipeline run, and its overrides."""
-    started, _, overrides = (artefacts / _START).read_text("utf-8", "replace").partition("\n")
-    return started, overrides.strip()
+def _last_run(artefacts: Path) -> dict[str, str]:
+    """Start of the last pipeline run, and its overrides; empty before the first."""
+    if not (path := artefacts / _START).is_file():
+        return {}
+    started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
+    return {"pipeline_started": started, "overrides": overrides.strip()}

@@ -11,7 +11,7 @@ from slider.artefacts.manifest import Result, readable
 from slider.artefacts.plan import plan_paths, read_plan, readable_plan
 from slider.artefacts.store import Store, nobody_else
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 
 
 @dataclass(frozen=True)
@@ -133,8 +133,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     Raises:
         UserError: a job is running, no plan would be kept, or one cannot be read.
     """
-    if keep < 1:
-        raise UserError(f"--keep: expected at least 1 plan, found {keep}")
+    require(keep >= 1, "--keep", "at least 1 plan", keep)
     with nobody_else(store.locks):
         plans = plan_paths(store.root / "plans")
         try:

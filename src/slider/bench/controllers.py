@@ -18,7 +18,7 @@ from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.whole_body.model import NominalModel
 from slider.control.whole_body.problem import WholeBody
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.library.choose import current_gaits
@@ -49,9 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
         raise UserError(f"--robots, --seconds: expected robots and a time, found {given}")
     config = checked(compose(arguments.overrides, arguments.conf))
     for name in arguments.controllers:
-        if name not in config.control:
-            names = ", ".join(config.control)
-            raise UserError(f"--controllers: expected some of {names}, found {name}")
+        expected = f"some of {', '.join(config.control)}"
+        require(name in config.control, "--controllers", expected, name)
     limit_threads(1)  # as a job of the pipeline has
     keep_freed_memory()
     print(f"{machine()}; 1 thread, load {os.getloadavg()[0]:.1f} before the start")

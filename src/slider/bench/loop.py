@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slider.bench import timed
-from slider.core.errors import UserError
+from slider.core.errors import require
 from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
@@ -51,10 +51,9 @@ def run(arguments: argparse.Namespace) -> None:
     threads = 1 if arguments.threads is None else arguments.threads
     limits = {"envs": min(arguments.envs), "rounds": arguments.rounds, "threads": threads}
     for name, value in limits.items():
-        if value < 1:
-            raise UserError(f"--{name}: expected at least 1, found {value}")
-    if not 0 < arguments.seconds < math.inf:
-        raise UserError(f"--seconds: expected a positive number, found {arguments.seconds}")
+        require(value >= 1, f"--{name}", "at least 1", value)
+    seconds = arguments.seconds
+    require(0 < seconds < math.inf, "--seconds", "a positive number", seconds)
     from slider.artefacts.runner import limit_threads
     from slider.config.compose import compose
     from slider.core.machine import device, machine, precision
@@ -79,7 +78,7 @@ def run(arguments: argparse.Namespace) -> None:
     shares = {}
     for robots in arguments.envs:
         task = task_of(config.robot, config.env, replace(walking, robots=robots), library)
-        rates, shares[robots] = measure(task, threads, arguments.seconds, arguments.rounds)
+        rates, shares[robots] = measure(task, threads, seconds, arguments.rounds)
         texts = (f"{wall / 1e3:7.1f} ({cpu / 1e3:5.1f})" for wall, cpu in rates.tolist())
         print(f"{robots:6d}  {'  '.join(texts)}", flush=True)
     if where == "cpu":  # on a GPU the host's time is that of launches

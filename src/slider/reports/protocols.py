@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from slider.config.convert import from_dict
 from slider.config.evaluation import EvaluationConfig, Segment
-from slider.core.errors import UserError
+from slider.core.errors import require
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
 from slider.evaluation.segments import SMOOTHING, profile_of
@@ -84,9 +84,8 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     """
     speeds, period = section["speeds"], section["control_period"]
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
-    if not evaluations:
-        expected = "at least one of evaluation.speeds"
-        raise UserError(f"report.tracking_speeds: expected {expected}, found {speeds}")
+    expected = "at least one of evaluation.speeds"
+    require(bool(evaluations), "report.tracking_speeds", expected, speeds)
     rows = [row for one in evaluations for row in _tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
     shown += undrawn(evaluations, speeds)

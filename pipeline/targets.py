@@ -32,6 +32,10 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
     """Jobs by the name of their target, of those on demand the ones that the page shows.
 
     The arguments are those of ``study_job``.
+
+    Raises:
+        UserError: there is no such section, a protocol or study has a name that is taken, or the
+            page shows a study or the gauge, which cannot be laid out.
     """
     check_sections(config)
     _check_names(config)

@@ -35,7 +35,6 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
         ("zero --web --host 256.1.1.1", None, "--host: expected an address of this machine"),
         ("zero --film w.mp4", None, "--film: expected a name that ends with .webp, found w.mp4"),
         ("zero --film w.webp --seconds 0.1", None, "--film: expected --seconds of at least 1"),
-        ("random --film w.webp", None, "expected agent random to stay up, it fell after"),
         ("walker", None, f"agent: expected one of {', '.join(AGENTS)}, random, found walker"),
         ("zero", no_display, "expected a display, found none: use --web or --headless"),
         ("zero", macos_without_mjpython, "mjpython"),

@@ -66,6 +66,9 @@ def closure(entry: str, root: Path) -> Closure:
 
     Digests are those of syntax trees without docstrings, those of fields too (comments are not part
     of them), and those of the data files that lie beside the modules.
+
+    Raises:
+        UserError: the entry module does not exist or a module does not parse.
     """
     if read_module(entry, root) is None:
         raise UserError(f"expected the stage's module {entry} below {root}, found none")
@@ -151,7 +154,11 @@ def _data(folder: Path, root: Path) -> dict[str, str]:
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
-    """Versions of Python (major.minor) and of top-level packages, sorted; ``absent`` for none."""
+    """Versions of Python (major.minor) and of top-level packages, sorted; ``absent`` for none.
+
+    Raises:
+        UserError: a package can be imported, but no installed distribution provides it.
+    """
     found = {name: distribution(name) for name in sorted(packages)}
     python = {"python": f"{sys.version_info.major}.{sys.version_info.minor}"}
     return python | {name: d.version if d else ABSENT for name, d in found.items()}

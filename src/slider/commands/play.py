@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Watch it; with ``--headless`` status 1 if the robot fell."""
+    """Watch it; with ``--headless`` and ``--film`` status 1 if the robot fell."""
     check(arguments)
     if arguments.film is not None:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
@@ -89,8 +89,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.film is not None:
         from slider.play import animation
 
-        animation.run(scene, control, arguments.seconds, arguments.film)
-    elif arguments.web:
+        return animation.run(scene, control, arguments.seconds, arguments.film)
+    if arguments.web:
         from slider.play import web
 
         web.run(scene, control, arguments.seconds, arguments.host, arguments.port)

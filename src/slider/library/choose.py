@@ -19,14 +19,22 @@ def add_library_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def library_path(arguments: argparse.Namespace) -> Path:
-    """Path of the selected library."""
+    """Path of the selected library.
+
+    Raises:
+        UserError: there is none yet.
+    """
     if arguments.library is not None:
         return arguments.library
     return current_folder(Store(arguments.artefacts), "library", MAKE_LIBRARY) / STORE
 
 
 def current_gaits(artefacts: Path) -> tuple[Path, Path]:
-    """Folders of the current library and its foot placement, which ``hzd`` walks by."""
+    """Folders of the current library and its foot placement, which ``hzd`` walks by.
+
+    Raises:
+        UserError: there are none yet.
+    """
     store, target = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
     library, placement = (current_folder(store, s, target) for s in ("library", "foot_placement"))
     return library, placement

@@ -1,11 +1,11 @@
-"""A motion as an animation that repeats without a jump, for pages that cannot play a film."""
+"""A motion as an animation that repeats without a jump, or that ends in a fall."""
 
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from slider.core.errors import UserError, require
+from slider.core.errors import require
 from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.scenes import Scene
@@ -19,22 +19,24 @@ _SIZE = (480, 320)  # [pixel]
 _QUALITY = 60
 
 
-def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> None:
-    """Write the steady part of a motion, from the side, as an animated WebP.
+def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> int:
+    """Write the steady part of a motion, from the side, as an animated WebP; 1 if the robot fell.
+
+    Of a fall it shows everything from the start.
 
     Raises:
-        UserError: the robot falls, the motion is shorter than a walk, nothing can be rendered on
-            this machine, or the name is not that of a WebP.
+        UserError: the motion is shorter than a walk, nothing can be rendered on this machine, or
+            the name is not that of a WebP.
     """
     require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
     length = _SECONDS if seconds is None else seconds
     require(length >= _WALK, "--film", f"--seconds of at least {_WALK:g}", f"{length:g}")
     frames = loop.record(scene.motion, control, _WARM_UP + length)
-    if (last := frames[-1]).failed:
-        raise UserError(f"expected {scene.title} to stay up, it fell after {last.time:.2f} s")
     shown = frames[:: round(1.0 / (_FRAME_RATE * scene.motion.period))]
-    first = round(_WARM_UP * _FRAME_RATE)
-    end = first + repeats_at(shown[first:])
+    fell, first, end = frames[-1].failed, 0, len(shown)
+    if not fell:
+        first = round(_WARM_UP * _FRAME_RATE)
+        end = first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
     seen, terrain = shown[first // 2 : end], scene.motion.terrain
     ground = None if terrain is None else film.relief(terrain.ground, seen)
@@ -50,7 +52,8 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
         quality=_QUALITY,
         method=4,
     )
-    print(path)
+    print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
+    return int(fell)
 
 
 def repeats_at(frames: list[Frame]) -> int:

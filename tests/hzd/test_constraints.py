@@ -14,7 +14,7 @@ RNG = np.random.default_rng(3)
 
 def anchored(phase: float):
     constraints = steps()[0].constraints(settings())
-    at = np.full(len(constraints.coefficients), phase)
+    at = np.full(len(constraints.steps.coefficients), phase)
     value, slope, _ = constraints.desired(at)
     moved = value + RNG.normal(0, 0.02, value.shape), slope + RNG.normal(0, 0.3, slope.shape)
     constraints.re_anchor(at, *moved)
@@ -51,7 +51,7 @@ def test_derivatives_over_the_phase_are_those_of_the_values():
 def test_a_displaced_foothold_moves_the_swing_leg_alone():
     plain, moved = (steps()[0].constraints(settings()) for _ in range(2))
     moved.displacement[:] = [0.05, -0.04]
-    end = np.ones(len(plain.coefficients))
+    end = np.ones(len(plain.steps.coefficients))
     change = np.abs(moved.desired(end)[0] - plain.desired(end)[0])
     assert (change[:, :SWING] == 0).all()
     assert (change[:, SWING:].max(axis=1) > 0.01).all()

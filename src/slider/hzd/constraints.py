@@ -9,9 +9,11 @@ foot level by b [m].
 """
 
 from dataclasses import dataclass, field
+from typing import Generic, Self, TypeVar
 
 import numpy as np
 
+from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.compiled import compiled, part
 from slider.gait import bezier
 from slider.gait.outputs import JOINTS, NUM_COORDINATES, ROLL, SWING
@@ -83,9 +85,9 @@ def _interpolated(
     return orders
 
 
-@dataclass
-class StepConstraints:
-    """Constraints of the steps that n robots are making, stance leg first.
+@dataclass(frozen=True)
+class Steps:
+    """One step of each of n gaits, in reflected coordinates.
 
     Attributes:
         coefficients: Bézier coefficients of the virtual legs (n, 10, degree + 1) [rad].
@@ -93,11 +95,6 @@ class StepConstraints:
         placement: D (n, 10, 2), joints that move the swing foot forward and left [rad/m, m/m].
         lengths: of the virtual leg, if gaits have one.
         slide_length: of a leg at slide = 0 [m]; none of a leg that has a knee.
-        correction_end: phase at which the re-anchoring is over.
-        placement_span: phases between which the foot is displaced.
-        anchor: (n,) phase at which the last impact left the errors.
-        error, error_slope: (n, 12) of the coordinates then, and their derivative over the phase.
-        displacement: b (n, 2) forward and left in the stance foot's reflected frame [m].
     """
 
     coefficients: np.ndarray
@@ -105,6 +102,30 @@ class StepConstraints:
     placement: np.ndarray
     lengths: KneeLengths | None
     slide_length: float | None
+
+    def constraints(self, config: VirtualConstraintsConfig) -> "StepConstraints[Self]":
+        """Virtual constraints of these steps."""
+        span = config.placement.lower, config.placement.upper
+        return StepConstraints(self, config.correction_end, span)
+
+
+AnySteps = TypeVar("AnySteps", bound=Steps)
+
+
+@dataclass
+class StepConstraints(Generic[AnySteps]):
+    """Constraints of the steps that n robots are making, stance leg first.
+
+    Attributes:
+        steps: of the gaits.
+        correction_end: phase at which the re-anchoring is over.
+        placement_span: phases between which the foot is displaced.
+        anchor: (n,) phase at which the last impact left the errors.
+        error, error_slope: (n, 12) of the coordinates then, and their derivative over the phase.
+        displacement: b (n, 2) forward and left in the stance foot's reflected frame [m].
+    """
+
+    steps: AnySteps
     correction_end: float
     placement_span: tuple[float, float]
     anchor: np.ndarray = field(init=False)
@@ -113,7 +134,7 @@ class StepConstraints:
     displacement: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
-        n = len(self.coefficients)
+        n = len(self.steps.coefficients)
         self.anchor = np.zeros(n)
         self.error, self.error_slope = np.zeros((2, n, NUM_COORDINATES))
         self.displacement = np.zeros((n, 2))
@@ -140,9 +161,10 @@ class StepConstraints:
         return orders
 
     def _gait(self, phase: np.ndarray) -> Orders:
-        basis = bezier.basis_orders(self.coefficients.shape[2] - 1, phase, 3)
-        q, v, a = (np.einsum("nk,njk->nj", each, self.coefficients) for each in basis)
-        legs, rolls = prismatic_motion(q, v, a, self.lengths), self.roll.at(phase)
+        steps = self.steps
+        basis = bezier.basis_orders(steps.coefficients.shape[2] - 1, phase, 3)
+        q, v, a = (np.einsum("nk,njk->nj", each, steps.coefficients) for each in basis)
+        legs, rolls = prismatic_motion(q, v, a, steps.lengths), steps.roll.at(phase)
         orders = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
             orders[order, :, ROLL] = rolls[order][:, 0]
@@ -160,18 +182,15 @@ class StepConstraints:
         return orders[0], orders[1], orders[2]
 
     def _displaced(self, phase: np.ndarray) -> Orders:
-        start, end = self.placement_span
+        (start, end), length = self.placement_span, self.steps.slide_length
         span = end - start
-        way = np.einsum("njk,nk->nj", self.placement, self.displacement)
+        way = np.einsum("njk,nk->nj", self.steps.placement, self.displacement)
         # A leg that is aside has farther to go: a slide keeps the foot's height to second order.
-        if self.slide_length is not None:
-            way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * self.slide_length)
+        if length is not None:
+            way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * length)
         share = smooth_step((phase - start) / span)
-        return (
-            way * share[0][:, None],
-            way * share[1][:, None] / span,
-            (way * share[2][:, None] / span**2),
-        )
+        value, slope, curve = (way * order[:, None] for order in share)
+        return value, slope / span, curve / span**2
 
 
 def phase_of(hip: NodeTable, position: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Steps of stored gaits, as the closed loop follows them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -10,7 +11,7 @@ from slider.core.arrays import take
 from slider.core.errors import UserError
 from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
-from slider.hzd.constraints import NodeTable, StepConstraints
+from slider.hzd.constraints import NodeTable, Steps
 from slider.hzd.model import RootedModel
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
@@ -20,48 +21,26 @@ _NODES = 41
 
 
 @dataclass(frozen=True)
-class StepPlan:
-    """References of one step of n gaits, in reflected coordinates.
+class StepPlan(Steps):
+    """References of the steps.
 
     Attributes:
-        coefficients: of the virtual legs (n, 10, degree + 1) [rad].
-        roll: of the stance foot (n, K, 1) [rad].
         hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
         ankle: effort of the stance ankle (n, K, 1) [N m].
-        placement: D (n, 10, 2).
         duration: T (n,) [s].
         clock: whether the phase is time (n,).
-        lengths: of the virtual legs, if gaits have them.
-        slide_length: see :class:`StepConstraints`.
     """
 
-    coefficients: np.ndarray
-    roll: NodeTable
     hip: NodeTable
     ankle: NodeTable
-    placement: np.ndarray
     duration: np.ndarray
     clock: np.ndarray
-    lengths: KneeLengths | None
-    slide_length: float | None
 
     @property
     def hip_share(self) -> np.ndarray:
         """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
         way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
         return self.hip.slopes[..., 0].min(axis=1) / way
-
-    def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
-        """Virtual constraints of these steps."""
-        return StepConstraints(
-            self.coefficients,
-            self.roll,
-            self.placement,
-            self.lengths,
-            self.slide_length,
-            config.correction_end,
-            (config.placement.lower, config.placement.upper),
-        )
 
 
 def plans(
@@ -92,21 +71,16 @@ def _plan(
     per_phase = duration[:, None] ** np.arange(3)
     rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
     clock = library.velocities[gaits, 0] < config.slowest_hip
-    empty = NodeTable(*np.zeros((2, n, 2, 1)))
-    plan = StepPlan(
+    steps = Steps(
         library.arrays["coefficients"][gaits, step],
         NodeTable(rolls[..., :1], rolls[..., 1:2], rolls[..., 2:]),
-        empty,
-        empty,
         np.zeros((n, NUM - 1, 2)),
-        duration,
-        clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
         library.robot.geometry.slide_length,
     )
-    placement = model.placement(motion(plan, np.ones(n), config)[0])
+    placement = model.placement(motion(steps, np.ones(n), config)[0])
     phase, rows = np.linspace(0.0, 1.0, _NODES), np.repeat(np.arange(n), _NODES)
-    q, rate, turn = motion(take(plan, rows), np.tile(phase, n), config)
+    q, rate, turn = motion(take(steps, rows), np.tile(phase, n), config)
     _, _, slope, bend = model.constrained(q, rate)
     orders = (
         model.measure(q, rate).hip,
@@ -114,17 +88,19 @@ def _plan(
         bend + (slope * turn).sum(axis=1),
     )
     hip = NodeTable(*(order.reshape(n, _NODES, 1) for order in orders))
-    durations = plan.duration[rows, None]
+    durations = duration[rows, None]
     mass, bias, _, _ = model.constrained(q, rate / durations)
     effort = (mass[:, 1] * turn / durations**2).sum(axis=1) + bias[:, 1]
     effort = effort.reshape(n, _NODES, 1)
     ankle = NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
-    return replace(plan, hip=hip, ankle=ankle, placement=placement)
+    by_time = clock | (config.phase == "time")
+    own: dict[str, Any] = vars(steps) | {"placement": placement}
+    return StepPlan(**own, hip=hip, ankle=ankle, duration=duration, clock=by_time)
 
 
-def motion(plan: StepPlan, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:
+def motion(steps: Steps, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:
     """q of n gaits at phases (n,), and its derivatives over the phase (3, n, 11)."""
-    orders = np.stack(plan.constraints(config).desired(phase))
+    orders = np.stack(steps.constraints(config).desired(phase))
     return orders[..., [ROLL, *range(JOINTS, orders.shape[-1])]]
 
 

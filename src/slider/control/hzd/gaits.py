@@ -15,36 +15,31 @@ from slider.config.convert import from_dict
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
-from slider.hzd.constraints import NodeTable
+from slider.hzd.constraints import NodeTable, Steps
 from slider.hzd.gains import FootPlacement
 from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
+from slider.robot.knee_map import KneeLengths
 from slider.robot.names import SIDES
 
 
 @dataclass(frozen=True)
-class GaitSteps:
+class GaitSteps(Steps):
     """Steps of the gaits of n robots; S phases.
 
     Attributes:
         duration: (n,) [s].
         turn: of the course over the step (n,) [rad].
-        coefficients: (n, 10, degree + 1) Bézier coefficients of the virtual legs [rad].
-        roll: of the stance foot's line (m = 1) [rad].
         hip: forward place of the hip over the stance foot (m = 1) [m].
         gains: K (n, 2, S, 2, 4) of :class:`FootPlacement`, by time and by the hip.
         orbit: ξ* (n, S, 4).
-        placement: joints (n, 10, 2) that displace the swing foot.
     """
 
     duration: np.ndarray
     turn: np.ndarray
-    coefficients: np.ndarray
-    roll: NodeTable
     hip: NodeTable
     gains: np.ndarray
     orbit: np.ndarray
-    placement: np.ndarray
 
 
 class EnforcedGaits:
@@ -73,6 +68,7 @@ class EnforcedGaits:
                 f"found one of {len(feedback.velocities)} others"
             )
         self.constraints, self.reach = constraints, reach
+        self._legs = KneeLengths.of(library.robot), library.robot.geometry.slide_length
         self._mesh = VelocityMesh.of(library.velocities)
         step_time, coefficients = library.arrays["step_time"], library.arrays["coefficients"]
         time = step_time[:, :, None, None]
@@ -97,7 +93,8 @@ class EnforcedGaits:
         roll, hip = (NodeTable(*(table[:, :, k, None] for k in range(3))) for table in tables)
         # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
         turns = velocities[:, 2] * times * side_of(stance)
-        return GaitSteps(times, turns, coefficients, roll, hip, gains, orbit, placement)
+        legs = coefficients, roll, placement, *self._legs
+        return GaitSteps(*legs, times, turns, hip, gains, orbit)
 
     @classmethod
     def load(cls, library: Path, placement: Path, section: Mapping[str, Any]) -> "EnforcedGaits":

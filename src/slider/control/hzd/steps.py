@@ -18,7 +18,6 @@ from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
 from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
 from slider.robot.kinematics import stretching, turn_to_heading
-from slider.robot.knee_map import KneeLengths
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
@@ -37,7 +36,6 @@ class EnforcedSteps:
 
     Attributes:
         constraints: virtual constraints of the steps.
-        steps: of the gaits.
         phase, rate: of the steps [1], [1/s].
         by_hip: whether the hip's place gives the phase.
         line: yaw at which the gait has the stance foot's line (N,) [rad].
@@ -45,13 +43,17 @@ class EnforcedSteps:
             the step (N, 3, 2) [m], world.
     """
 
-    constraints: StepConstraints
-    steps: GaitSteps
+    constraints: StepConstraints[GaitSteps]
     phase: np.ndarray
     rate: np.ndarray
     by_hip: np.ndarray
     line: np.ndarray
     footholds: np.ndarray
+
+    @property
+    def steps(self) -> GaitSteps:
+        """Steps of the gaits."""
+        return self.constraints.steps
 
 
 class HzdSteps(Stepping):
@@ -66,7 +68,6 @@ class HzdSteps(Stepping):
     ) -> None:
         self._config, self._constraints = config, gaits.constraints
         self._gaits = gaits
-        self._lengths = KneeLengths.of(robot), robot.geometry.slide_length
         self._stretch = stretching(robot.geometry, np.zeros(()))
         self._sagittal = np.array(robot.geometry.sagittal)
         self._signs = driven_signs(robot.geometry)
@@ -164,18 +165,10 @@ class HzdSteps(Stepping):
 
     def _new(self, velocities: np.ndarray, stance: np.ndarray) -> EnforcedSteps:
         config, steps = self._constraints, self._gaits.at(velocities, stance)
-        constraints = StepConstraints(
-            steps.coefficients,
-            steps.roll,
-            steps.placement,
-            *self._lengths,
-            config.correction_end,
-            (config.placement.lower, config.placement.upper),
-        )
         by_hip = (velocities[:, 0] >= config.slowest_hip) & (config.phase == "hip")
         phase, line = np.zeros((2, len(stance)))
         rate, footholds = 1.0 / steps.duration, np.zeros((len(stance), 3, 2))
-        return EnforcedSteps(constraints, steps, phase, rate, by_hip, line, footholds)
+        return EnforcedSteps(steps.constraints(config), phase, rate, by_hip, line, footholds)
 
     def _ground(self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray) -> Orders:
         """What the ground under the footholds, the next one displaced, changes of coordinates."""

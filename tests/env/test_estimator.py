@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from slider.config.env import OnboardConfig, SensorsConfig
-from slider.env.estimator import Leg, Measurement, StateEstimator
+from slider.env.estimator import Leg, StateEstimator
 from slider.env.interface import FLOAT64
 from slider.env.observations import height_scan
 from slider.env.physics import BatchedPhysics
@@ -17,7 +17,15 @@ from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.names import GRAVITY, NUM_JOINTS
 from slider.robot.transmission import Transmission
-from tests.env.synthetic import JOINTS, config, disturbed_physics, make_view, robot_config, stand
+from tests.env.synthetic import (
+    JOINTS,
+    config,
+    disturbed_physics,
+    make_arrays,
+    make_view,
+    robot_config,
+    stand,
+)
 from tests.robot.lopsided import kneed
 
 ONBOARD = config("experiment=test").env.onboard
@@ -89,23 +97,13 @@ def test_a_reset_leaves_the_other_robots_alone():
     assert abs(reset.heading_velocity[0, 0]) < 0.01
 
 
-def measurement(count: int, **changes: np.ndarray) -> Measurement:
-    """A robot that stands upright and still."""
-    values = {
-        "rotation": np.tile(np.eye(3), (count, 1, 1)),
-        "angular_velocity": np.zeros((count, 3)),
-        "increment": np.tile([0.0, 0.0, 0.02 * GRAVITY], (count, 1)),
-        "joint_positions": np.zeros((count, NUM_JOINTS)),
-        "joint_velocities": np.zeros((count, NUM_JOINTS)),
-        "motor_torques": np.zeros((count, 10)),
-    }
-    return Measurement(**values | changes)
+STILL = np.array([[0.0, 0.0, 0.02 * GRAVITY]])  # increment of a robot that stands upright
 
 
 def estimator() -> StateEstimator:
     """Of one robot that stood still when it started."""
     made = StateEstimator(ONBOARD.estimator, robot_config(), 1, np.zeros(1))
-    made.update(measurement(1), np.zeros(1))
+    made.update(make_arrays(1), STILL, np.zeros(1))
     return made
 
 
@@ -114,7 +112,7 @@ def test_without_a_loaded_foot_the_inertial_unit_alone_counts():
     filter_, elapsed = estimator(), np.full(1, 0.02)
     height = 0.64 + 0.045
     for step in range(1, 6):
-        found = filter_.update(measurement(1, increment=np.zeros((1, 3))), elapsed)
+        found = filter_.update(make_arrays(1), np.zeros((1, 3)), elapsed)
         assert found.velocity[0] == pytest.approx([0.0, 0.0, -GRAVITY * 0.02 * step])
     fallen = GRAVITY * 0.02**2 * (1 + 2 + 3 + 4 + 5)
     assert found.position[0, 2] == pytest.approx(height - fallen)
@@ -131,9 +129,8 @@ def test_a_slipping_foot_is_outweighed_by_the_other():
     rates[:, JOINTS.index("left_hip_pitch")] = 2.0 / (0.64 + 0.045)
     filter_ = estimator()
     for _ in range(10):
-        found = filter_.update(
-            measurement(1, motor_torques=torques, joint_velocities=rates), np.full(1, 0.02)
-        )
+        reading = make_arrays(1, motor_torques=torques, joint_velocities=rates)
+        found = filter_.update(reading, STILL, np.full(1, 0.02))
     assert found.foot_forces[0, 1] == pytest.approx(12.525 * GRAVITY / 2, rel=1e-3)
     assert abs(found.velocity[0, 0]) < 0.1
 
@@ -147,10 +144,10 @@ def test_a_foot_s_force_is_that_against_which_the_motors_hold_the_leg(robot):
     mujoco.mj_forward(model, data)
     mujoco.mj_jacSite(model, data, jacobian, None, model.site("left_sole").id)
     efforts = -force * jacobian[None, 2, 6:]
-    reading = measurement(1, motor_torques=Transmission.of(robot).torques(efforts))
+    reading = make_arrays(1, motor_torques=Transmission.of(robot).torques(efforts))
     made = StateEstimator(ONBOARD.estimator, robot, 1, np.zeros(1))
-    made.update(reading, np.zeros(1))
-    found = made.update(reading, np.full(1, 0.02)).foot_forces[0]
+    made.update(reading, STILL, np.zeros(1))
+    found = made.update(reading, STILL, np.full(1, 0.02)).foot_forces[0]
     np.testing.assert_allclose(found, [force + Leg.of(robot).mass * GRAVITY, 0.0], rtol=1e-9)
 
 
@@ -161,15 +158,16 @@ def test_tensors_give_what_arrays_give(robot):
         StateEstimator(ONBOARD.estimator, robot, 4, like) for like in (elapsed, FLOAT64)
     )
     for _ in range(5):
-        reading = measurement(
+        reading = make_arrays(
             4,
             angular_velocity=rng.standard_normal((4, 3)),
             joint_positions=0.1 * rng.standard_normal((4, NUM_JOINTS)),
             joint_velocities=rng.standard_normal((4, NUM_JOINTS)),
             motor_torques=2.0 * rng.standard_normal((4, 10)),
         )
-        expected = arrays.update(reading, elapsed)
-        found = tensors.update(Measurement(*map(torch.tensor, reading)), torch.tensor(elapsed))
+        still = np.tile(STILL, (4, 1))
+        expected = arrays.update(reading, still, elapsed)
+        found = tensors.update(reading.tensors(FLOAT64), *map(torch.tensor, (still, elapsed)))
         for one, other in zip(expected[:3], found[:3], strict=True):
             np.testing.assert_allclose(other.numpy(), one, atol=1e-12)
 

@@ -8,6 +8,7 @@ disturbances are on.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
@@ -110,7 +111,7 @@ class Disturber:
         model: of the nominal robot.
         actuation: of the drives.
         count: number of robots N.
-        robots: their differences; none where all are nominal.
+        write: writes fields of the robots' models where these differ; none where all are nominal.
         like: an array of the library, precision and device to compute with.
         ground: under the robots; none where all are on flat ground.
     """
@@ -122,16 +123,18 @@ class Disturber:
         model: mujoco.MjModel,
         actuation: Actuation,
         count: int,
-        robots: randomization.RandomizedRobots | None = None,
+        write: Callable[[Array, randomization.Fields], None] | None = None,
         like: Any = NUMPY,
         ground: terrain.Terrain | None = None,
     ) -> None:
         config = disturbance.config
         self._config, self._count, self._like = config, count, like
-        self._timestep, self._mass = float(model.opt.timestep), float(model.body_mass.sum())
+        self._timestep = float(model.opt.timestep)
         self._torque = actuation == "torque"
         self._draws = Draws(disturbance.seeds, count, like)
-        self._terrain, self._robots = ground, robots
+        self._terrain, self._robots = ground, None
+        if write is not None:
+            self._robots = randomization.RandomizedRobots(model, config, count, write, like)
         self._delay: DelayLine | None = None
         if config.delay != Interval(0.0, 0.0):
             self._delay = DelayLine(config.delay, self._timestep, count, model.nu, like)
@@ -196,13 +199,6 @@ class Disturber:
             return state
         normal = self._draws.normal(NOISE, self._steps, NUMBERS)
         return with_noise(state, self._config.sensing, normal)
-
-    @property
-    def masses(self) -> Array:
-        """Of the robots (N,) [kg]."""
-        if self._robots is not None:
-            return self._robots.masses
-        return zeros(self._count, self._like) + self._mass
 
 
 class DelayLine:

@@ -18,32 +18,13 @@ from slider.config.env import EstimatorConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import SLIDES
+from slider.env.state import RobotState
 from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.kinematics import FootMotion, foot_motion, stretching
 from slider.robot.names import GRAVITY, LEG_SIZE, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
-
-
-class Measurement(NamedTuple):
-    """Sensor readings of N robots.
-
-    Attributes:
-        rotation: base to world (N, 3, 3), by the inertial unit.
-        angular_velocity: (N, 3) [rad/s], base frame.
-        increment: integral of the specific force since the last reading (N, 3) [m/s], in the base
-            frame at the time of the reading.
-        joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
-        motor_torques: mean since the last reading (N, 10) [N m].
-    """
-
-    rotation: Array
-    angular_velocity: Array
-    increment: Array
-    joint_positions: Array
-    joint_velocities: Array
-    motor_torques: Array
 
 
 class Estimate(NamedTuple):
@@ -130,19 +111,22 @@ class StateEstimator:
         self._fresh[index] = True
         self._position[index, :2] = place
 
-    def update(self, measured: Measurement, elapsed: Array) -> Estimate:
+    def update(self, measured: RobotState, increment: Array, elapsed: Array) -> Estimate:
         """Estimate from new readings.
 
         Args:
-            measured: readings.
-            elapsed: time since the last ones (N,) [s]; where it is zero, and the robot has not
-                been reset, the estimate stays.
+            measured: rotation and angular velocity by the inertial unit, joint positions and
+                velocities, mean motor torques since the last readings.
+            increment: integral of the specific force since then (N, 3) [m/s], in the base frame at
+                the time of the reading.
+            elapsed: time since then (N,) [s]; where it is zero, and the robot has not been reset,
+                the estimate stays.
         """
         xp, rotation, config = namespace(elapsed), measured.rotation, self._config
         turning = xp.einsum("nij,nj->ni", rotation, measured.angular_velocity)
         joints, rates = measured.joint_positions, measured.joint_velocities
         feet = foot_motion(self._geometry, rotation, turning, joints, rates)
-        velocity = self._velocity + xp.einsum("nij,nj->ni", rotation, measured.increment)
+        velocity = self._velocity + xp.einsum("nij,nj->ni", rotation, increment)
         velocity[:, 2] -= GRAVITY * elapsed
         position = self._position + velocity * elapsed[:, None]
         deviations = asarray([config.acceleration, config.vertical_velocity], elapsed)
@@ -150,7 +134,8 @@ class StateEstimator:
 
         leg_velocities, leg_heights = _odometry(feet)
         along = self._along(measured)
-        forces = self._foot_forces(measured, feet, elapsed, along)
+        specific = xp.einsum("nij,nj,nli->nl", rotation, increment, feet.axes)
+        forces = self._foot_forces(specific, feet, elapsed, along)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
         # A foot of certainty c has the variance of leg odometry over c².
         # It follows from the foot's force, at first from its height.
@@ -180,21 +165,17 @@ class StateEstimator:
         return Estimate(self._velocity, self._position, carried, feet)
 
     def _foot_forces(
-        self,
-        measured: Measurement,
-        feet: FootMotion,
-        elapsed: Array,
-        along: tuple[Array, Array, Array],
+        self, specific: Array, feet: FootMotion, elapsed: Array, along: tuple[Array, Array, Array]
     ) -> Array:
         """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each leg.
 
-        The angular acceleration of the leg, and forces across it, are left out.
+        ``specific`` (N, 2) [m/s] are the increments along the legs. The angular acceleration of
+        the leg, and forces across it, are left out.
         """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
         force, rates, longer = along
-        pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, feet.axes)
         leg = self._leg
-        pull = leg.mass * pull / period + (leg.moment + leg.mass * longer) * feet.turning**2
+        pull = leg.mass * specific / period + (leg.moment + leg.mass * longer) * feet.turning**2
         change = (rates - self._rates) / period
         force = force - 0.5 * leg.damping * (rates + self._rates)
         force = force + pull - (leg.mass + leg.reflected_mass) * change
@@ -202,7 +183,7 @@ class StateEstimator:
         force = self._forces + follow * (force * feet.axes[..., 2] - self._forces)
         return xp.where(self._fresh[:, None], 0.0, force)
 
-    def _along(self, measured: Measurement) -> tuple[Array, Array, Array]:
+    def _along(self, measured: RobotState) -> tuple[Array, Array, Array]:
         """Force of the motors along the legs [N], rate of their lengths [m/s], excess [m] (N, 2).
 
         The excess over the nominal length is a knee's only to first order.

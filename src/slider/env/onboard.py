@@ -16,7 +16,7 @@ from slider.env.disturbance import (
     Draws,
     with_noise,
 )
-from slider.env.estimator import Measurement, StateEstimator
+from slider.env.estimator import StateEstimator
 from slider.env.height_field import FLAT, ScannedGround
 from slider.env.starts import SLIDES, turned
 from slider.env.state import RobotState
@@ -103,20 +103,10 @@ class OnboardState:
             rotation=rotation,
             angular_velocity=state.angular_velocity + sensors.angular_velocity_bias * gyro,
             joint_positions=state.joint_positions + offset,
+            motor_torques=self._torques * (1.0 + sensors.torque * motor),
         )
         read = with_noise(biased, self._noise, normal[:, :-3])
-        torques = self._torques * (1.0 + sensors.torque * motor)
-        estimate = self._estimator.update(
-            Measurement(
-                rotation=read.rotation,
-                angular_velocity=read.angular_velocity,
-                increment=increment,
-                joint_positions=read.joint_positions,
-                joint_velocities=read.joint_velocities,
-                motor_torques=torques,
-            ),
-            self._elapsed,
-        )
+        estimate = self._estimator.update(read, increment, self._elapsed)
         self._velocity = velocity
         self._elapsed = 0.0 * self._elapsed
         position, feet = estimate.position, estimate.feet
@@ -128,7 +118,6 @@ class OnboardState:
             foot_positions=position[:, None] + 0.5 * feet.positions.sum(2),
             foot_velocities=estimate.velocity[:, None] + 0.5 * feet.velocities.sum(2),
             foot_forces=estimate.foot_forces,
-            motor_torques=torques,
             body_contacts=0 * state.body_contacts,
             ground=FLAT,
             scanned=self._scanned(state, position, read.yaw),

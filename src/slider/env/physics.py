@@ -21,7 +21,7 @@ from slider.env.height_field import FLAT, Ground
 from slider.env.height_field import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
-from slider.env.randomization import Fields, RandomizedRobots, vary
+from slider.env.randomization import Fields, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.env.terrain import Terrain
 from slider.robot import names
@@ -51,6 +51,9 @@ class BatchedPhysics:
     :meth:`measure`; with ``onboard`` that is the estimate from the robot's sensors. Without
     ``instruments`` it is faster but has no :meth:`contacts`. Robots that :meth:`retire` stay where
     they are until their next :meth:`reset`.
+
+    Attributes:
+        state: MuJoCo's full physics state (N, 38): time, positions, velocities.
     """
 
     def __init__(
@@ -81,19 +84,17 @@ class BatchedPhysics:
         self._ground: Ground = FLAT
         seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
-            robots, on_terrain = None, uneven(disturbance.config)
+            write, on_terrain = None, uneven(disturbance.config)
             if on_terrain or vary(disturbance.config):  # ``rollout`` takes a list in the same time
                 self.models = [copy.copy(self.model) for _ in range(num_robots)]
                 self._constants = mujoco.MjData(self.model)
-                robots = RandomizedRobots(
-                    self.model, disturbance.config, num_robots, self._set_fields
-                )
+                write = self._set_fields
             if on_terrain:  # robots of all seeds share one table of tiles
                 table = Draws(seeds[:1], 1).generators(TILES, 0)[0].uniform(-1, 1, (TABLE, TABLE))
                 self.terrain = Terrain(disturbance.config.terrain, robot, self.models, table)
                 self._ground = self.terrain.ground
             self._disturber = Disturber(
-                disturbance, robot, self.model, actuation, num_robots, robots, ground=self.terrain
+                disturbance, robot, self.model, actuation, num_robots, write, ground=self.terrain
             )
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
@@ -102,9 +103,9 @@ class BatchedPhysics:
         self._data = [mujoco.MjData(self.model) for _ in range(threads)]
         self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
         self._rest = np.concatenate([[0.0], self.nominal, np.zeros(self.model.nv)])
-        self._state = np.tile(self._rest, (num_robots, 1))
+        self.state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
-        self._series = self._state[:, None], self._sensors[:, None]
+        self._series = self.state[:, None], self._sensors[:, None]
         self._onboard: OnboardState | None = None
         if onboard is not None:
             self._onboard = OnboardState(onboard, robot, seeds, num_robots, self._rest)
@@ -117,19 +118,14 @@ class BatchedPhysics:
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 
     @property
-    def state(self) -> np.ndarray:
-        """View of MuJoCo's full physics state (N, 38): time, positions, velocities."""
-        return self._state
-
-    @property
     def qpos(self) -> np.ndarray:
         """View of the base pose and joint positions (N, 19)."""
-        return self._state[:, 1 : 1 + self.model.nq]
+        return self.state[:, 1 : 1 + self.model.nq]
 
     @property
     def qvel(self) -> np.ndarray:
         """View of the base and joint velocities (N, 18): linear world, angular base frame."""
-        return self._state[:, 1 + self.model.nq :]
+        return self.state[:, 1 + self.model.nq :]
 
     def _set_fields(self, index: np.ndarray, fields: Fields) -> None:
         """Write fields (n, ...) of the models of robots (n,), and what follows from them."""
@@ -164,7 +160,7 @@ class BatchedPhysics:
         Inputs are an array, or a tensor on the processor, whose memory is used without a copy.
         """
         inputs = np.asarray(inputs)
-        self._state[:, 0] = _START_TIME
+        self.state[:, 0] = _START_TIME
         control = np.repeat(self._to_motors(inputs)[:, None], self._substeps, axis=1)
         if self._disturber is not None:
             force = self._disturber.push()
@@ -182,7 +178,7 @@ class BatchedPhysics:
         if self._onboard is not None:
             torques = self._mean_torques(states[:, -1], sensors)
             self._onboard.advance(self.period, self._substeps, torques)
-        self._state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
+        self.state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
         self._series = states, sensors
         if self.terrain is not None:
             state = self.read()
@@ -199,7 +195,7 @@ class BatchedPhysics:
         if self._damping is None:
             return torques
         joints = slice(-names.NUM_JOINTS, None)
-        change = self._motors.angles(after[:, joints] - self._state[:, joints])
+        change = self._motors.angles(after[:, joints] - self.state[:, joints])
         return torques - self._damping * change / self._substeps
 
     def check(self) -> None:
@@ -210,15 +206,15 @@ class BatchedPhysics:
         spec = _CONTROL | _APPLIED if control.shape[2] > self.model.nu else _CONTROL
         run = partial(self._pool.rollout, control_spec=int(spec))
         if not self._retired.any():
-            states, sensors = run(self.models, self._data, self._state, control)
+            states, sensors = run(self.models, self._data, self.state, control)
             return np.asarray(states), np.asarray(sensors)
-        states = np.repeat(self._state[:, None], self._substeps, axis=1)
+        states = np.repeat(self.state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
         going, models = np.flatnonzero(~self._retired), self.models
         if len(going):
             if isinstance(models, list):
                 models = [models[i] for i in going]
-            series = run(models, self._data, self._state[going], control[going])
+            series = run(models, self._data, self.state[going], control[going])
             states[going], sensors[going] = series
         return states, sensors
 
@@ -279,6 +275,5 @@ class BatchedPhysics:
     @property
     def masses(self) -> np.ndarray:
         """Mass of each robot (N,) [kg]."""
-        if self._disturber is None:
-            return np.full(self.num_robots, float(self.model.body_mass.sum()))
-        return self._disturber.masses
+        models = self.models if isinstance(self.models, list) else [self.model] * self.num_robots
+        return np.array([model.body_mass.sum() for model in models])

@@ -44,7 +44,6 @@ class RandomizedRobots:
         like: an array of the library, precision and device to compute with.
 
     Attributes:
-        masses: (N,) [kg].
         motor_gain: (N, 10) by which demanded torques are scaled [-].
     """
 
@@ -58,7 +57,6 @@ class RandomizedRobots:
     ) -> None:
         self._config, self._write = config, write
         self._nominal = {name: asarray(getattr(nominal, name), like) for name in VARIED_FIELDS}
-        self.masses = zeros(count, like) + float(nominal.body_mass.sum())
         self.motor_gain = zeros((count, names.NUM_MOTORS), like) + 1.0
         feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
         sliding = np.isin(nominal.geom_bodyid, feet)[:, None] & np.array([True, False, False])
@@ -94,7 +92,6 @@ class RandomizedRobots:
             "actuator_forcerange": nominal["actuator_forcerange"] * gain,
         }
         self._write(index, fields)
-        self.masses[index] = fields["body_mass"].sum(axis=1)
         self.motor_gain[index] = gain[:, :, 0]
 
 

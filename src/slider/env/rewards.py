@@ -62,11 +62,6 @@ class Lyapunov:
     rate_weight: float
 
     @property
-    def matrix(self) -> np.ndarray:
-        """P (2, 2) of one output; that of all is block diagonal."""
-        return np.eye(2) * np.sqrt(self.rate_weight + 2.0) + np.array([[0.0, 1.0], [1.0, 0.0]])
-
-    @property
     def largest(self) -> float:
         """λ_max(P) = ‖P‖."""
         return math.sqrt(self.rate_weight + 2.0) + 1.0

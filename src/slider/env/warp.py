@@ -17,7 +17,7 @@ from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.env.disturbance import Disturbance, Disturber, build_plant
-from slider.env.randomization import VARIED_FIELDS, Fields, RandomizedRobots, vary
+from slider.env.randomization import VARIED_FIELDS, Fields, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
@@ -104,13 +104,9 @@ class WarpPhysics:
         self._diverged = torch.zeros(num_robots, dtype=torch.bool, device=self.device)
         self._disturber: Any = None  # its arrays are tensors
         if disturbance is not None:
-            robots = None
-            if varied:
-                robots = RandomizedRobots(
-                    self.model, disturbance.config, num_robots, self.set_fields, self.qpos
-                )
+            write = self.set_fields if varied else None
             self._disturber = Disturber(
-                disturbance, robot, self.model, actuation, num_robots, robots, self.qpos
+                disturbance, robot, self.model, actuation, num_robots, write, self.qpos
             )
         self._place_at_rest(torch.ones_like(self._diverged))
 

@@ -34,11 +34,11 @@ def test_network_clock_and_gaits_are_those_of_the_policy(copy):
     layout = json.loads((folder / LAYOUT).read_text())
     layout["observation"]["terms"][0]["meaning"] = "as ever"
     (folder / LAYOUT).write_text(json.dumps(layout))
-    read = load_exported(folder, policy.robot, policy.env)
+    network, read = load_exported(folder, policy.robot, policy.env)
     observations = torch.from_numpy(record_observations(policy, 0.1))
     with torch.inference_mode():
         expected = policy.network(observations).numpy()
-    np.testing.assert_allclose(read.network(observations).numpy(), expected, atol=1e-5)
+    np.testing.assert_allclose(network(observations).numpy(), expected, atol=1e-5)
     np.testing.assert_array_equal(read.times.step_time, policy.times.step_time)
     np.testing.assert_array_equal(read.reference.standing, policy.reference.standing)
 

@@ -85,7 +85,7 @@ def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
 
 
 def _advanced(plan, phase, q, v, width, config):
-    steps_ = _Steps(loop().model, config, plan, plan.constraints(config))
+    steps_ = _Steps(ClosedLoop(loop().model, config), plan, plan.constraints(config))
     return steps_._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
 
 

@@ -28,7 +28,7 @@ from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE, REFER
 from slider.control.exported import OnnxNetwork
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
 from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
-from slider.core.errors import UserError
+from slider.core.errors import require
 from slider.core.files import digest_file
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.interface import AgentInterface
@@ -141,11 +141,9 @@ def compare(policy: Policy, onnx_file: Path, observations: np.ndarray) -> float:
     with torch.inference_mode():
         actions = OnnxNetwork(onnx_file, given.shape[1])(given)
         difference = float((actions - policy.network(given)).abs().max())
-    if not difference <= TOLERANCE:  # NaN is refused too
-        raise UserError(
-            f"policy export: expected the actions of the ONNX file within {TOLERANCE:g} of the "
-            f"policy's, found a difference of {difference:.3g}"
-        )
+    expected = f"the actions of the ONNX file within {TOLERANCE:g} of the policy's"
+    near = difference <= TOLERANCE  # NaN is refused too
+    require(near, "policy export", expected, f"a difference of {difference:.3g}")
     return difference
 
 

@@ -7,7 +7,7 @@ import json
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -26,20 +26,6 @@ from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import NUM_JOINTS, VELOCITY
 
 _COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
-
-
-class Exported(NamedTuple):
-    """A network and what its agent needs.
-
-    Attributes:
-        network: observations (N, size) → actions (N, 12).
-        times: step times for the clock.
-        reference: joint positions of a zero action.
-    """
-
-    network: "OnnxNetwork"
-    times: StepTimes
-    reference: JointTable
 
 
 class OnnxNetwork:
@@ -80,8 +66,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return dict(section["files"])
 
 
-def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
-    """Read a policy.
+def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> tuple[OnnxNetwork, Policy]:
+    """Read a network, and the policy whose own network it takes the place of.
 
     Raises:
         UserError: the layout is of another version, or not that of ``robot`` and ``env``.
@@ -105,7 +91,7 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
             require(value == other, f"{path}, {key}", f"{value}, as configured", other)
     except (KeyError, TypeError, ValueError):
         raise UserError(f"{path}: expected a layout of this project, found another file") from None
-    return Exported(OnnxNetwork(folder / ONNX, sum(sizes.values())), times, table)
+    return OnnxNetwork(folder / ONNX, sum(sizes.values())), policy
 
 
 def _times(node: Mapping[str, Any], step_time: Any) -> StepTimes:

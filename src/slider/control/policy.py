@@ -233,14 +233,9 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
     )
     for key in dict.fromkeys([*trained, *given]):
         expected, value = (interface.get(key, "nothing") for interface in (trained, given))
-        if value != expected:
-            raise UserError(
-                f"policy: expected env.{key}={expected}, as in its training, found {value}"
-            )
+        require(value == expected, "policy", f"env.{key}={expected}, as in its training", value)
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
-    if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
-        raise UserError(
-            f"policy: expected the observations {agent.observer.layout}, "
-            f"found {policy.observations}"
-        )
+    layout, own = agent.observer.layout, policy.observations
+    same = list(layout.items()) == list(own.items())  # order counts
+    require(same, "policy", f"the observations {layout}", own)
     return agent

@@ -78,14 +78,14 @@ class BatchedPhysics:
         _stop_timers()
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)
-        self.models = self.model
+        self.models = [self.model] * num_robots
         self._disturber: Disturber | None = None
         self.terrain: Terrain | None = None
         self._ground: Ground = FLAT
         seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
             write, on_terrain = None, uneven(disturbance.config)
-            if on_terrain or vary(disturbance.config):  # ``rollout`` takes a list in the same time
+            if on_terrain or vary(disturbance.config):
                 self.models = [copy.copy(self.model) for _ in range(num_robots)]
                 self._constants = mujoco.MjData(self.model)
                 write = self._set_fields
@@ -210,10 +210,9 @@ class BatchedPhysics:
             return np.asarray(states), np.asarray(sensors)
         states = np.repeat(self.state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
-        going, models = np.flatnonzero(~self._retired), self.models
+        going = np.flatnonzero(~self._retired)
         if len(going):
-            if isinstance(models, list):
-                models = [models[i] for i in going]
+            models = [self.models[i] for i in going]
             series = run(models, self._data, self.state[going], control[going])
             states[going], sensors[going] = series
         return states, sensors
@@ -275,5 +274,4 @@ class BatchedPhysics:
     @property
     def masses(self) -> np.ndarray:
         """Mass of each robot (N,) [kg]."""
-        models = self.models if isinstance(self.models, list) else [self.model] * self.num_robots
-        return np.array([model.body_mass.sum() for model in models])
+        return np.array([model.body_mass.sum() for model in self.models])

@@ -152,12 +152,12 @@ def _simulate_exported(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
 ) -> Simulated:
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    policy = load_exported(inputs["policy"][0], robot, env)
+    network, policy = load_exported(inputs["policy"][0], robot, env)
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     physics = BatchedPhysics(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
-    return Simulated(PolicyController(policy.network, agent), physics, env)
+    return Simulated(PolicyController(network, agent), physics, env)
 
 
 class _GivesUp:

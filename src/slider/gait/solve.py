@@ -164,8 +164,6 @@ class GaitSolver:
 
     def _build(self, warm: bool) -> ca.Function:
         config, nlp = self._config, self._nlp
-        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", len(VELOCITY))
-        objective, rows = nlp.objective_and_rows(x, p)
         ipopt = {
             "max_iter": config.max_iterations,
             "tol": config.tolerance,
@@ -191,7 +189,7 @@ class GaitSolver:
             "hess_lag": nlp.hessian,
             "error_on_fail": False,
         }
-        return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
+        return ca.nlpsol("gait", "ipopt", nlp.objective_and_rows, options)
 
     def solve(
         self, vx: float, vy: float, yaw_rate: float = 0.0, start: np.ndarray | None = None

@@ -17,7 +17,6 @@ from scipy.linalg import null_space
 
 from slider.config.hzd import BasinConfig, ImpactGrid
 from slider.core.arrays import take
-from slider.gait.outputs import YAW
 from slider.gait.rooted import NUM
 from slider.hzd.feedback import Regulator, regulate
 from slider.hzd.plans import StepPlan
@@ -166,7 +165,7 @@ def perturbed(
     Returns:
         The state that each comes from (m,), and the states (m, 22), m = n · grid.
     """
-    free = null_space(np.delete(loop.outputs, YAW, axis=1))[:, 0]
+    free = null_space(loop.columns)[:, 0]
     turn = free / free[0]
     roll, rate = (each.ravel() for each in np.meshgrid(grid.roll, grid.roll_rate, indexing="ij"))
     offsets = np.concatenate([roll[:, None] * turn, rate[:, None] * turn], axis=1)

@@ -72,10 +72,15 @@ class ClosedLoop:
     model: RootedModel
     config: StabilityConfig
 
-    @property
+    @cached_property
     def outputs(self) -> np.ndarray:
         """H (10, 12)."""
         return output_matrix(self.config.outputs, self.model.geometry)
+
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """Columns of H for the roll and the joints (10, 11)."""
+        return np.delete(self.outputs, YAW, axis=1)
 
     def step(
         self,
@@ -95,13 +100,13 @@ class ClosedLoop:
         constraints = plan.constraints(self.config)
         if displacement is not None:
             constraints.displacement = displacement
-        steps = _Steps(self.model, self.config, plan, constraints)
+        steps = _Steps(self, plan, constraints)
         with np.errstate(invalid="ignore", over="ignore"):
             return steps.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
 
     def part(self, plan: StepPlan, x: np.ndarray, place: int) -> tuple[np.ndarray, np.ndarray]:
         """q and v (n, 11) at ``PHASES[place]`` of steps from n states just after an impact."""
-        steps = _Steps(self.model, self.config, plan, plan.constraints(self.config))
+        steps = _Steps(self, plan, plan.constraints(self.config))
         with np.errstate(invalid="ignore", over="ignore"):
             z = steps.part(np.pad(x, ((0, 0), (0, 1))), place)
         return z[:, :NUM], z[:, NUM:-1]
@@ -111,8 +116,7 @@ class ClosedLoop:
 class _Steps:
     """n robots during one step; states z are q, v and the time (n, 23), over the phase."""
 
-    model: RootedModel
-    config: StabilityConfig
+    loop: ClosedLoop
     plan: StepPlan
     constraints: StepConstraints
 
@@ -133,7 +137,7 @@ class _Steps:
             sampled[..., :NUM],
             sampled[..., NUM:-1],
             np.stack([start, middle, self._residual(phase, z)]),
-            self.model.impact_map(q, v),
+            self.loop.model.impact_map(q, v),
             phase,
             z[:, -1],
             alive,
@@ -156,7 +160,7 @@ class _Steps:
         return phase
 
     def _measure(self, z: np.ndarray) -> Measured:
-        return self.model.measure(z[:, :NUM], z[:, NUM:-1])
+        return self.loop.model.measure(z[:, :NUM], z[:, NUM:-1])
 
     def _rate(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
         """ṡ (n,) [1/s]."""
@@ -165,27 +169,28 @@ class _Steps:
 
     def _derivative(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
         """dz/ds (n, 23)."""
+        config = self.loop.config
         q, v = z[:, :NUM], z[:, NUM:-1]
-        rows, bias, slope, bend = self.model.constrained(q, v)
+        rows, bias, slope, bend = self.loop.model.constrained(q, v)
         nominal, hip = 1.0 / self.plan.duration, ~self.plan.clock
         _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
         rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
         rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
-        free = self.config.ankle == "free"
+        free = config.ankle == "free"
         # s̈ as the ankle drives it, or what (∇p q̈ + p̈|₀ − p″ ṡ²)/p′ has without q̈
-        turn = -self.config.rate_gain * (rate - nominal)
+        turn = -config.rate_gain * (rate - nominal)
         if free:
             turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
         driven = second * (rate**2)[:, None] + first * turn[:, None]
-        driven -= self.config.kp * error + self.config.kd * error_rate
+        driven -= config.kp * error + config.kd * error_rate
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
-        matrix[:, :-1], right[:, :-1] = self._columns, driven @ self._outputs.T
+        matrix[:, :-1], right[:, :-1] = self.loop.columns, driven @ self.loop.outputs.T
         if free and hip.any():
-            share = (first @ self._outputs.T)[:, :, None] * slope[:, None]
+            share = (first @ self.loop.outputs.T)[:, :, None] * slope[:, None]
             share /= hip_slope[:, None, None]
             share[~hip] = 0.0
             matrix[:, :-1] -= share
@@ -238,18 +243,9 @@ class _Steps:
         desired, first, _ = self.constraints.desired(phase)
         x, rate = _coordinates(z)
         errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
-        residuals = np.abs(np.stack([error @ self._outputs.T for error in errors]))
-        residuals[:, ~self.plan.clock | (self.config.ankle == "free"), ANKLE] = 0.0
+        residuals = np.abs(np.stack([error @ self.loop.outputs.T for error in errors]))
+        residuals[:, ~self.plan.clock | (self.loop.config.ankle == "free"), ANKLE] = 0.0
         return residuals.max(axis=(0, 2))
-
-    @cached_property
-    def _outputs(self) -> np.ndarray:
-        return output_matrix(self.config.outputs, self.model.geometry)
-
-    @cached_property
-    def _columns(self) -> np.ndarray:
-        """Columns of H for the roll and the joints (10, 11)."""
-        return np.delete(self._outputs, YAW, axis=1)
 
 
 def _coordinates(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.core.arrays import take
-from slider.gait.outputs import ANKLE, YAW
+from slider.gait.outputs import ANKLE
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
 from slider.hzd.plans import StepPlan, motion, start
@@ -135,7 +135,7 @@ def directions(
     """
     clock = steps[0].clock.all()  # the dimension of the zero dynamics depends on the phase
     r = (len(COORDINATES) if loop.config.ankle == "free" else 2) if clock else 3
-    outputs = np.delete(loop.outputs, YAW, axis=1)
+    outputs = loop.columns
     if r == len(COORDINATES):
         outputs = np.delete(outputs, ANKLE, axis=0)
     free = np.asarray(block_diag(*2 * [null_space(outputs)]))

@@ -100,7 +100,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     bounds: summary.Bounds = settings["bounds"]
     table = _table(inputs["gaits"], GaitLibrary.load(inputs["library"][0] / STORE))
     failures = summary.failures(table, bounds)
-    texts = list(map(str, failures))
+    texts = [failure.text for failure in failures]
     if failures and settings["on_failure"] == "error":
         more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
         raise UserError(

@@ -29,9 +29,6 @@ class Failure(NamedTuple):
     quantity: str
     text: str
 
-    def __str__(self) -> str:
-        return self.text
-
 
 def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
     """Values beyond their bounds, by quantity."""

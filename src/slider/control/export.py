@@ -72,12 +72,8 @@ def export(
 ) -> tuple[int, float]:
     """Write the files ``EXPORT_FILES`` into ``out`` and compare the network with the policy.
 
-    Args:
-        policy_file: of this project.
-        origin: provenance, copied into the layout beside the digest of the policy file.
-        out: existing folder.
-        threads: of the roll-out.
-        estimator: of the state on board, for the layout.
+    ``origin`` is the provenance, copied into the layout beside the digest of the policy file; the
+    ``estimator`` on board is for the layout, too.
 
     Returns:
         The number of observations, and the largest difference of an action.

@@ -46,13 +46,7 @@ class Plan(NamedTuple):
 
 
 class FootstepPlanner:
-    """Plans the next step of n robots.
-
-    Args:
-        step: nominal times and width.
-        config: weights and bounds.
-        omega: natural frequency of the pendulum [rad/s].
-    """
+    """Plans the next step of n robots, pendulums of natural frequency ``omega`` [rad/s]."""
 
     def __init__(self, step: PlannedStepConfig, config: PlannerConfig, omega: float) -> None:
         self._step, self._config, self.omega = step, config, omega

@@ -58,10 +58,7 @@ def describe(
 ) -> dict[str, Any]:
     """Layout of a policy as nested plain values, ready for JSON.
 
-    Args:
-        policy: with the robot and the environment of its training.
-        provenance: origin, copied unchanged.
-        estimator: of the state on board.
+    ``provenance`` is copied unchanged; ``estimator`` is that of the state on board.
     """
     env, network = policy.env, policy.network
     agent = AgentInterface(policy.robot, env, 1, policy.times, policy.reference)

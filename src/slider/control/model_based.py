@@ -27,13 +27,8 @@ def build_controller(
 ) -> ModelBased:
     """A controller for ``count`` robots, behind the observer of its settings, if there is one.
 
-    Args:
-        robot: the nominal robot, not the plant.
-        config: settings of one of the families.
-        physics: of the plant; the observer's model has the same.
-        count: number of robots.
-        gaits: of the family ``hzd``.
-        threads: of the observer's simulation.
+    The ``robot`` is the nominal one, not the plant; ``gaits`` are for the family ``hzd``. The
+    observer's model has the ``physics`` of the plant and simulates on ``threads``.
 
     Raises:
         UserError: the controller enforces gaits, and there are none.

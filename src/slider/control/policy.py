@@ -56,11 +56,8 @@ def from_actor(
 ) -> PolicyNetwork:
     """Copy an rsl-rl actor's parameters.
 
-    Args:
-        state: ``state_dict`` of an ``MLPModel`` with observation normalisation.
-        hidden: widths of its hidden layers.
-        activation: name of its activation.
-        epsilon: added by its normaliser to the standard deviation.
+    ``state`` is the ``state_dict`` of an ``MLPModel`` with observation normalisation, which adds
+    ``epsilon`` to the standard deviation.
 
     An observation that did not vary in training is not scaled: otherwise a velocity that is new to
     the policy would reach its first layer a hundred times as large as it is.
@@ -177,9 +174,7 @@ def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
 class PolicyController:
     """Runs a network on N robots through the same interface as in training.
 
-    Args:
-        network: observations (N, size) → actions (N, 12), deterministic.
-        agent: observations, actions and clock of N robots; also an attribute.
+    The network is deterministic: observations (N, size) → actions (N, 12).
     """
 
     def __init__(
@@ -217,11 +212,6 @@ class PolicyController:
 
 def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> AgentInterface:
     """Observations and actions of ``count`` robots under a policy.
-
-    Args:
-        policy: read from a file.
-        robot, env: machine, observations and actions.
-        count: number of robots.
 
     Raises:
         UserError: the policy is for other observations, actions, clock or control rate.

@@ -104,16 +104,7 @@ class Disturber:
     """Late drives, pushes, terrain and noisy sensors of N robots, which may differ.
 
     All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
-
-    Args:
-        disturbance: what disturbs the robots.
-        robot: for its motors.
-        model: of the nominal robot.
-        actuation: of the drives.
-        count: number of robots N.
-        write: writes fields of the robots' models where these differ; none where all are nominal.
-        like: an array of the library, precision and device to compute with.
-        ground: under the robots; none where all are on flat ground.
+    Where robots differ from the nominal ``model``, ``write`` writes fields of theirs.
     """
 
     def __init__(

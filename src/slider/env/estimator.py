@@ -81,14 +81,7 @@ class Leg(NamedTuple):
 
 
 class StateEstimator:
-    """Kalman filter of N robots; arrays are those of ``like``.
-
-    Args:
-        config: standard deviations and force thresholds.
-        robot: nominal geometry, transmission and masses.
-        count: number of robots N.
-        like: an array of the library, precision and device to compute with.
-    """
+    """Kalman filter of N nominal robots; arrays are those of ``like``."""
 
     def __init__(
         self, config: EstimatorConfig, robot: RobotConfig, count: int, like: Array

@@ -128,9 +128,7 @@ class Guide:
     def nearest_distance(self, view: View, masked: bool) -> Array:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).
 
-        Args:
-            view: N robots.
-            masked: leave the passive channels out.
+        ``masked`` leaves the passive channels out.
         """
         command = view.gait_velocity
         if self._nearest:

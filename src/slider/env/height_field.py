@@ -175,10 +175,8 @@ def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: 
     ankle is turned by the slope along the heading.
 
     Args:
-        ground: under the robots.
-        feet: middles of the feet (N, 2, 2) [m].
-        yaw: headings (N,) [rad].
-        geometry: of the legs.
+        ground, geometry: under the robots; of the legs.
+        feet, yaw: middles of the feet (N, 2, 2) [m] and headings (N,) [rad].
         joints: positions (N, 12) about which the change is.
     """
     heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)

@@ -27,12 +27,8 @@ _PERMUTATION = np.array(MIRROR_PERMUTATION)
 class AgentInterface:
     """Observations, actions, clock and heading target of N robots.
 
-    Args:
-        robot, config: machine, observations and actions.
-        num_robots: N.
-        times: step times for the clock, if there is one.
-        reference: joint positions of the gaits, if actions are about the gait.
-        like: a tensor of the precision, and on the device, to compute with.
+    ``times`` are for the clock, if there is one, ``reference`` is for actions about the gait. All
+    is computed in the precision, and on the device, of ``like``.
 
     Raises:
         UserError: the configuration needs step times or gaits that are not given.
@@ -87,8 +83,7 @@ class AgentInterface:
         """Forget the past of robots ``index``.
 
         Args:
-            index: robots to reset.
-            state: of all robots, after their reset.
+            index, state: robots to reset; of all robots, after that.
             phase: start of the clock, (n,) or one for all.
             velocity: start of reference and filters (n, 2) [m/s], or one value for all.
             heading: target (n,) [rad]; the present yaw if not given.
@@ -101,7 +96,7 @@ class AgentInterface:
             self.reference_velocity[index] = self.command[index, :2]
         self.heading_target[index] = state.yaw[index] if heading is None else heading
         if self.clock is not None:
-            speed = _norm(self.filtered_velocity[index])
+            speed = torch.hypot(*self.filtered_velocity[index].T)
             self.clock.reset(index, phase, self.command[index], speed)
 
     def set_velocity_command(self, index: torch.Tensor | slice, velocity: torch.Tensor) -> None:
@@ -127,7 +122,8 @@ class AgentInterface:
         """Move clock, heading target, reference and velocity filters on by one control period."""
         period = self._config.control_period
         if self.clock is not None:
-            speeds = (_norm(v) for v in (self.filtered_velocity, state.heading_velocity))
+            velocities = self.filtered_velocity, state.heading_velocity
+            speeds = (torch.hypot(*velocity.T) for velocity in velocities)
             self.clock.advance(self.command, self.reference_velocity, *speeds)
         self.heading_target += self.command[:, 2] * period
         change = self._config.reference.acceleration * period
@@ -178,8 +174,3 @@ class AgentInterface:
         if self.clock is None or not self._config.phase.mirror:
             return self._none_halted
         return self.clock.phase >= 0.5
-
-
-def _norm(vectors: torch.Tensor) -> torch.Tensor:
-    """Lengths (n,) of vectors (n, 2)."""
-    return torch.hypot(vectors[:, 0], vectors[:, 1])

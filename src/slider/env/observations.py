@@ -69,13 +69,11 @@ class Observation(Term):
     frame: Frame
     mirror: Mirror | Callable[[ObservationConfig, Geometry], Mirror]
 
-    @property
-    def meaning(self) -> str:
-        """How to get the values, in one line: the docstring."""
-        return " ".join((inspect.getdoc(self.function) or "").split())
-
     def describe(self, width: int, geometry: Geometry) -> dict[str, Any]:
-        """Units of all its ``width`` values, frame, components and meaning, as plain values."""
+        """Units of all its ``width`` values, frame, components and meaning, as plain values.
+
+        The meaning is how to get the values, in one line: the docstring.
+        """
         units, components = (
             value(geometry) if callable(value) else value for value in (self.units, self.components)
         )
@@ -83,7 +81,7 @@ class Observation(Term):
             "units": np.broadcast_to(units, width).tolist(),
             "frame": self.frame,
             "components": list(components),
-            "meaning": self.meaning,
+            "meaning": " ".join((inspect.getdoc(self.function) or "").split()),
         }
 
 
@@ -149,21 +147,18 @@ def command(view: View) -> Array:
     return view.command
 
 
-def _position_units(geometry: Geometry) -> tuple[str, ...]:
-    return channel_units(geometry)[:NUM_JOINTS]
-
-
-def _velocity_units(geometry: Geometry) -> tuple[str, ...]:
-    return channel_units(geometry)[NUM_JOINTS : 2 * NUM_JOINTS]
-
-
-@observation(joint_names, _position_units, "none", _legs)
+@observation(joint_names, lambda geometry: channel_units(geometry)[:NUM_JOINTS], "none", _legs)
 def joint_positions(view: View) -> Array:
     """Joint position minus action.joints[i].nominal."""
     return view.state.joint_positions - view.nominal
 
 
-@observation(joint_names, _velocity_units, "none", _legs)
+@observation(
+    joint_names,
+    lambda geometry: channel_units(geometry)[NUM_JOINTS : 2 * NUM_JOINTS],
+    "none",
+    _legs,
+)
 def joint_velocities(view: View) -> Array:
     """Joint velocity."""
     return view.state.joint_velocities

@@ -28,14 +28,9 @@ _BIASES = 9 + NUM_JOINTS + NUM_MOTORS
 
 
 class OnboardState:
-    """Sensors and estimators of N robots; arrays are those of ``like``.
+    """Sensors and estimators of N nominal robots; arrays are those of ``like``.
 
-    Args:
-        config: errors of the sensors, settings of the estimator.
-        robot: the nominal one.
-        seeds: robots come in blocks of the same size, one for each seed.
-        count: number of robots N.
-        like: an array of the library, precision and device to compute with.
+    The robots come in blocks of the same size, one for each of the ``seeds``.
     """
 
     def __init__(

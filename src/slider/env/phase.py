@@ -17,14 +17,7 @@ class Clock:
     At zero command a robot steps in place, or, with halting, stands: once its low-passed velocity
     is less than ``halt.below``, its clock stays at the next change of feet, where the gait is in
     double support, until there is a command, or the velocity reaches ``halt.above``: the robot
-    tips over and has to step.
-
-    Args:
-        times: durations of the steps.
-        period: of a control step [s].
-        num_robots: N.
-        halt: of the clock at zero command.
-        like: a tensor of the precision and on the device of the clock.
+    tips over and has to step. ``period`` is that of a control step [s].
 
     Attributes:
         phase: (N,).

@@ -36,12 +36,8 @@ def vary(config: DisturbanceConfig) -> bool:
 class RandomizedRobots:
     """Robots that are drawn again in each episode; arrays are those of ``like``.
 
-    Args:
-        nominal: model of the nominal robot.
-        config: how far the robots differ from it.
-        count: number of robots N.
-        write: writes ``VARIED_FIELDS`` (n, ...) of robots (n,) into their models.
-        like: an array of the library, precision and device to compute with.
+    They differ from the ``nominal`` model: ``write`` writes ``VARIED_FIELDS`` (n, ...) into those of
+    robots (n,).
 
     Attributes:
         motor_gain: (N, 10) by which demanded torques are scaled [-].

@@ -74,12 +74,9 @@ class Lyapunov:
 
 
 class RewardView:
-    """A view together with the guide; the reference is looked up once per step.
+    """A view together with the guide, if there is one; the reference is looked up once per step.
 
-    Args:
-        view: the robots.
-        guide: gaits of the library, if the training has any.
-        before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
+    ``before``: ``outputs`` (N, 2, 10) one control step ago, infinite where an episode begins.
     """
 
     def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:

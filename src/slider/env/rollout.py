@@ -231,10 +231,7 @@ class Episode:
     def start(self, qpos: np.ndarray, qvel: np.ndarray, velocity: np.ndarray) -> Frame:
         """Place the robot at positions (1, 19) and velocities (1, 18).
 
-        Args:
-            qpos: base pose and joint positions.
-            qvel: base and joint velocities.
-            velocity: command (1, 3): vx, vy [m/s], yaw rate [rad/s].
+        ``velocity`` (1, 3) is the command: vx, vy [m/s], yaw rate [rad/s].
         """
         self._physics.reset(np.arange(1), qpos, qvel)
         self._state, self._steps = self._physics.read(), 0

@@ -123,11 +123,7 @@ class SensorIndex:
 def read_state(qpos: Any, qvel: Any, sensors: Any, index: SensorIndex, diverged: Any) -> RobotState:
     """Name the quantities of N robots, as copies: arrays of arrays, tensors of tensors.
 
-    Args:
-        qpos: (N, 19), and velocities ``qvel`` (N, 18).
-        sensors: (N, sensors).
-        index: of the sensors.
-        diverged: (N,) robots whose simulation blew up.
+    Of ``qpos`` (N, 19), ``qvel`` (N, 18), ``sensors`` (N, sensors) and ``diverged`` (N,) robots.
     """
     qpos, qvel = 1.0 * qpos, 1.0 * qvel
     rotation = rotation_from_quaternion(qpos[:, 3:7])

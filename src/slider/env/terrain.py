@@ -87,11 +87,7 @@ def _stud(spec: mujoco.MjSpec, side: str) -> None:
 class Terrain:
     """Grounds of N robots in their models.
 
-    Args:
-        config: kinds and levels.
-        robot: for its feet.
-        models: of the N robots, laid out by :func:`lay`.
-        table: heights of tiles (64, 64) in [-1, 1].
+    :func:`lay` has laid out the ``models``; ``table`` (64, 64) are heights of tiles in [-1, 1].
 
     Attributes:
         levels: (N,).
@@ -201,12 +197,9 @@ class Terrain:
         return qpos
 
     def follow(self, base: np.ndarray, feet: np.ndarray, velocities: np.ndarray) -> None:
-        """Put the boxes under the feet.
+        """Put the boxes under the middles of feet (N, 2, 2) [m] with ``velocities`` [m/s].
 
-        Args:
-            base: positions (N, 2) [m] of the bases.
-            feet: positions (N, 2, 2) [m] of the middles of the feet.
-            velocities: of these (N, 2, 2) [m/s].
+        ``base`` (N, 2) [m] are positions of the bases.
         """
         index = self._uneven
         feet = feet[index] + _LOOK_AHEAD * velocities[index]

@@ -65,10 +65,7 @@ def driven_signs(geometry: Geometry) -> np.ndarray:
 def stance_first(joints: np.ndarray, right: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """Reorder driven joints (n, 10) from left leg first to stance leg first, reflected; and back.
 
-    Args:
-        joints: positions, velocities or torques, left leg first.
-        right: (n,) whether the right foot is the stance foot.
-        signs: of the reflection (10,).
+    ``right`` (n,): whether the right foot is the stance foot; ``signs`` (10,) of the reflection.
     """
     return np.where(right[:, None], signs * joints[:, _SWAP], joints)
 

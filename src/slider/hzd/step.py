@@ -89,13 +89,10 @@ class ClosedLoop:
         displacement: np.ndarray | None = None,
         anchored: bool = True,
     ) -> Flow:
-        """From n states just after an impact to just after the next one.
+        """From n states x = (q, q̇) (n, 22) just after an impact to just after the next one.
 
-        Args:
-            plan: of n steps.
-            x: the states, q and q̇ (n, 22).
-            displacement: of the swing foot (n, 2) [m].
-            anchored: whether the constraints start where the impact has left the robot.
+        ``displacement`` (n, 2) [m] is that of the swing foot. If ``anchored``, the constraints
+        start where the impact has left the robot.
         """
         constraints = plan.constraints(self.config)
         if displacement is not None:

@@ -148,9 +148,7 @@ def _noise_bound(network: NetworkConfig, updates: int, update: int) -> float:
 class TrackerLogWriter(LogWriter):
     """Collects the scalars of an iteration and hands them over together.
 
-    Args:
-        tracker: gets all of them.
-        curve: gets a row per iteration with what does not depend on the machine's speed.
+    ``tracker`` gets all of them, ``curve`` a row with what does not depend on the machine's speed.
     """
 
     def __init__(self, tracker: Tracker, curve: list[dict[str, float]]) -> None:

@@ -23,8 +23,7 @@ def level_leg(
     """Hip, slide or knee, and ankle (5,) [rad, m] of a foot line on a heading; else near there.
 
     Args:
-        geometry: of the robot.
-        side: the leg's.
+        geometry, side: of the robot; the leg's.
         base: position (3,) [m] and rotation to world (3, 3).
         sole: middle of the foot line (3,) [m].
         heading: unit vector (3,) along the foot line, towards the toe.

@@ -31,11 +31,8 @@ def checks(
 ) -> dict[str, Check]:
     """Checks by name; each gives some of ``QUANTITIES``.
 
-    Args:
-        robot: the plant, and the source of pinocchio's model.
-        posture: of the optimisation; the clearance is checked between nodes.
-        dynamics: of the gaits, ``prismatic`` or ``knee``.
-        config: settings of the checks.
+    The ``robot`` is the plant, and the source of pinocchio's model; ``dynamics`` are those of the
+    gaits, ``prismatic`` or ``knee``.
 
     Raises:
         UserError: pinocchio is not installed.

@@ -45,11 +45,7 @@ class GaitSteps(Steps):
 class EnforcedGaits:
     """Gaits of a library, the virtual constraints to enforce, and feedback from step to step.
 
-    Args:
-        library: of G gaits.
-        feedback: their foot placement.
-        constraints: outputs and their phase.
-        reach: largest displacement of a foothold [m].
+    ``reach`` is the largest displacement of a foothold [m].
 
     Raises:
         UserError: library and foot placement have different gaits.

@@ -108,10 +108,9 @@ def uneven(
     pendulum mode", IROS 2001).
 
     Args:
-        memory: with the ground.
-        robots: indices (n,).
+        memory, robots: with the ground; indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
-        phase: (n,).
+        phase: of the steps (n,).
         sagittal: places of hip pitch, slide or knee, and ankle among the joints of a leg (3,).
         stretch: of these per length of the leg (3,).
     """

@@ -72,12 +72,7 @@ class PlantModel:
 
 
 class WalkingController:
-    """Torques of N robots, once per tick.
-
-    Args:
-        plant: the robot, its entry and its body.
-        stepping: how it walks.
-    """
+    """Torques of N robots, once per tick."""
 
     def __init__(self, plant: PlantModel, stepping: Stepping) -> None:
         self._period, self._model = plant.period, plant.model

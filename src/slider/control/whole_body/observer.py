@@ -25,12 +25,7 @@ from slider.robot import names
 class Observer:
     """Estimates the states of N robots from noisy ones.
 
-    Args:
-        robot: the nominal robot, not the plant.
-        physics: of the nominal robot; its period is that of a tick.
-        config: delay and gains.
-        count: number of robots N.
-        threads: of the simulation.
+    The ``robot`` is the nominal one, not the plant. Its ``physics`` have the period of a tick.
     """
 
     def __init__(

@@ -51,16 +51,10 @@ def orbital_energy(omega: float, state: np.ndarray) -> np.ndarray:
 def quintic(
     start: np.ndarray, end: np.ndarray, duration: np.ndarray, time: np.ndarray | float
 ) -> np.ndarray:
-    """State at ``time`` of the quintic that joins two states.
+    """State (…, 3) at ``time`` (…) [s] of the quintic that joins two states.
 
-    Args:
-        start: (…, 3) position, velocity and acceleration at 0.
-        end: (…, 3) the same at ``duration``.
-        duration: (…), positive [s].
-        time: (…), between 0 and ``duration`` [s].
-
-    Returns:
-        (…, 3).
+    ``start`` (…, 3) are position, velocity and acceleration at 0, ``end`` (…, 3) those at
+    ``duration`` (…), positive [s].
     """
     t = np.asarray(time)
     p0, v0, a0 = np.moveaxis(start, -1, 0)
@@ -79,9 +73,7 @@ def quintic(
 class ReferenceVelocity:
     """Reference velocity: on the way to the commanded one, with integral action.
 
-    Args:
-        config: acceleration and integral action.
-        period: of a tick [s].
+    ``period`` is that of a tick [s].
     """
 
     def __init__(self, config: VelocityConfig, period: float) -> None:
@@ -113,10 +105,8 @@ class ReferenceVelocity:
     def correct(self, memory: Memory, robots: np.ndarray, com: np.ndarray) -> None:
         """Add the velocity error of the last stride at the start of a step.
 
-        Args:
-            memory: memory, of which ``starts`` and ``correction`` change.
-            robots: that start a step (n,).
-            com: their centres of mass (n, 2) [m], world.
+        ``starts`` and ``correction`` of the memory change; ``com`` are the centres of mass (n, 2)
+        [m], world.
         """
         now = np.concatenate([com, memory.walked[robots, None]], axis=1)
         moved = now - memory.starts[robots, 0]
@@ -137,11 +127,8 @@ class Entry:
 
     It is towards the first stance foot, until the pendulum has the energy of the orbit.
 
-    Args:
-        step: times and width.
-        config: settings of the entry.
-        omega: natural frequency of the pendulum [rad/s].
-        reach: forward distance from the middle within which a robot can come to a stop [m].
+    ``omega`` is the natural frequency of the pendulum [rad/s], ``reach`` the forward distance from
+    the middle within which a robot can come to a stop [m].
     """
 
     def __init__(self, step: StepConfig, config: EntryConfig, omega: float, reach: float) -> None:
@@ -199,10 +186,8 @@ class Entry:
         forward as planned; they have to, when their time is over and they could not stop any
         more: the capture point x + ẋ/ω is beyond the feet.
 
-        Args:
-            sway: their references.
-            position, velocity: of the centre of mass (n, 2) [m], [m/s].
-            foot: the first stance foot (n, 2) [m].
+        ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
+        the first stance foot (n, 2) [m].
         """
         sideways = sway.side[:, None] * np.stack([position - foot, velocity], axis=-1)[:, 1]
         energy = orbital_energy(self._omega, sideways)

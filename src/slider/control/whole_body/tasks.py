@@ -18,13 +18,10 @@ Solved = tuple[np.ndarray, np.ndarray]
 
 
 class BodyControl:
-    """Turns references of n robots into torques; on both feet whatever the way of stepping.
+    """Turns references of n nominal robots into torques; on both feet for all ways of stepping.
 
-    Args:
-        robot: the nominal robot.
-        config: gains, weights and limits.
-        search: velocity at which feet without contact sink [m/s].
-        height: of the pendulum [m].
+    ``search`` is the velocity at which feet without contact sink [m/s], ``height`` that of the
+    pendulum [m].
     """
 
     def __init__(

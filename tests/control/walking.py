@@ -9,7 +9,8 @@ from slider.config.control import AnyControl
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits
-from slider.control.model_based import ModelBased, build_controller
+from slider.control.model_based import build_controller
+from slider.control.whole_body.controller import WalkingController
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
@@ -31,7 +32,7 @@ def walk(
     drawn: Disturbance | None = None,
     gaits: EnforcedGaits | None = None,
     watch: Callable[[BatchedPhysics], None] = lambda _: None,
-) -> tuple[Recording, ModelBased]:
+) -> tuple[Recording, WalkingController]:
     """Robots that are told velocities; ``watch`` gets their physics."""
     whole = config()
     control = whole.control[control] if isinstance(control, str) else control

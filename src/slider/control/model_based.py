@@ -9,12 +9,10 @@ from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
 from slider.control.mpc import mpc_controller
 from slider.control.whole_body.controller import WalkingController
-from slider.control.whole_body.observer import Observer, ObservingController
+from slider.control.whole_body.observer import Observer
 from slider.core.errors import UserError
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
-
-ModelBased = WalkingController | ObservingController
 
 
 def build_controller(
@@ -24,7 +22,7 @@ def build_controller(
     count: int,
     gaits: EnforcedGaits | None = None,
     threads: int = 1,
-) -> ModelBased:
+) -> WalkingController:
     """A controller for ``count`` robots, behind the observer of its settings, if there is one.
 
     The ``robot`` is the nominal one, not the plant; ``gaits`` are for the family ``hzd``. The
@@ -34,16 +32,14 @@ def build_controller(
         UserError: the controller enforces gaits, and there are none.
     """
     tick = replace(physics, substeps=config.substeps)
-    period = tick.substeps * tick.timestep
+    period, observer = tick.substeps * tick.timestep, None
+    if config.observer is not None:
+        observer = Observer(robot, tick, config.observer, count, threads)
     if isinstance(config, MpcConfig):
-        controller = mpc_controller(robot, config, period)
-    elif gaits is not None:
-        controller = hzd_controller(robot, config, gaits, period)
-    else:
+        return mpc_controller(robot, config, period, observer)
+    if gaits is None:
         raise UserError("controller: expected gaits to walk by, found none")
-    if config.observer is None:
-        return controller
-    return ObservingController(controller, Observer(robot, tick, config.observer, count, threads))
+    return hzd_controller(robot, config, gaits, period, observer)
 
 
 def build_plant(

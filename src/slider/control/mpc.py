@@ -13,6 +13,7 @@ from slider.control.footsteps import FootstepPlanner, Pendulum
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import LEFT, Memory
 from slider.control.whole_body.model import Dynamics
+from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import ReferenceVelocity, quintic
 from slider.control.whole_body.tasks import (
     Solved,
@@ -25,10 +26,12 @@ from slider.control.whole_body.tasks import (
 from slider.robot.kinematics import yaw_of
 
 
-def mpc_controller(robot: RobotConfig, config: MpcConfig, period: float) -> WalkingController:
+def mpc_controller(
+    robot: RobotConfig, config: MpcConfig, period: float, observer: Observer | None = None
+) -> WalkingController:
     """The baseline for a nominal robot, with ticks of ``period`` [s]."""
     plant = PlantModel(robot, config, config.swing.search_velocity, period)
-    return WalkingController(plant, MpcSteps(config, plant))
+    return WalkingController(plant, MpcSteps(config, plant), observer)
 
 
 class MpcSteps(Stepping):

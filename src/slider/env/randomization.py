@@ -36,8 +36,8 @@ def vary(config: DisturbanceConfig) -> bool:
 class RandomizedRobots:
     """Robots that are drawn again in each episode; arrays are those of ``like``.
 
-    They differ from the ``nominal`` model: ``write`` writes ``VARIED_FIELDS`` (n, ...) into those of
-    robots (n,).
+    They differ from the ``nominal`` model: ``write`` writes ``VARIED_FIELDS`` (n, ...) of robots
+    (n,) into theirs.
 
     Attributes:
         motor_gain: (N, 10) by which demanded torques are scaled [-].

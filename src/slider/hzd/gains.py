@@ -50,12 +50,8 @@ class FootPlacement:
         Raises:
             UserError: an array is missing.
         """
-        arrays = {}
-        for field in fields(cls):
-            path = folder / f"{field.name}.npy"
-            if not path.is_file():
-                raise UserError(
-                    f"expected {path.name} of the foot placement in {folder}, found none"
-                )
-            arrays[field.name] = np.load(path)
-        return cls(**arrays)
+        try:
+            return cls(*(np.load(folder / f"{field.name}.npy") for field in fields(cls)))
+        except FileNotFoundError as error:
+            missing = f"{Path(error.filename).name} of the foot placement in {folder}"
+            raise UserError(f"expected {missing}, found none") from None

@@ -11,6 +11,7 @@ from slider.control.hzd.motion import Motion, hip, motion, section, side_of, une
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
+from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import ReferenceVelocity
 from slider.control.whole_body.tasks import Solved, Task
 from slider.core.arrays import consecutive, scatter, take
@@ -23,11 +24,15 @@ _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
 
 def hzd_controller(
-    robot: RobotConfig, config: HzdControlConfig, gaits: EnforcedGaits, period: float
+    robot: RobotConfig,
+    config: HzdControlConfig,
+    gaits: EnforcedGaits,
+    period: float,
+    observer: Observer | None = None,
 ) -> WalkingController:
     """Virtual constraints on a nominal robot, with ticks of ``period`` [s]."""
     plant = PlantModel(robot, config, config.descent, period)
-    return WalkingController(plant, HzdSteps(robot, config, gaits, plant))
+    return WalkingController(plant, HzdSteps(robot, config, gaits, plant), observer)
 
 
 @dataclass

@@ -16,6 +16,7 @@ from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY, WALK, Memory, Sway
 from slider.control.whole_body.model import Dynamics, NominalModel
+from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import Entry, natural_frequency
 from slider.control.whole_body.tasks import BodyControl, Solved
 from slider.core.arrays import scatter, take
@@ -72,15 +73,20 @@ class PlantModel:
 
 
 class WalkingController:
-    """Torques of N robots, once per tick."""
+    """Torques of N robots, once per tick; an ``observer`` estimates their states."""
 
-    def __init__(self, plant: PlantModel, stepping: Stepping) -> None:
+    def __init__(
+        self, plant: PlantModel, stepping: Stepping, observer: Observer | None = None
+    ) -> None:
+        self._observer = observer
         self._period, self._model = plant.period, plant.model
         self._entry, self._body, self._stepping = plant.entry, plant.body, stepping
         self._omega, self._reach = plant.omega, plant.reach
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
+        if self._observer is not None:
+            self._observer.reset(state)
         self._begin_sway(np.arange(state.num_robots), self._start(state, velocity, state.yaw))
 
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
@@ -99,7 +105,9 @@ class WalkingController:
         return self._model.evaluate(state.qpos, state.qvel)
 
     def give_up(self, robots: np.ndarray) -> None:
-        """Switch the drives of ``robots`` (N,) off."""
+        """Switch the drives of ``robots`` (N,) off and observe them no longer."""
+        if self._observer is not None:
+            self._observer.give_up(robots)
         self.memory.mode[robots] = OFF
 
     def set_velocity(self, velocity: np.ndarray) -> None:
@@ -108,6 +116,8 @@ class WalkingController:
 
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N]; the upper feet have no drive."""
+        if self._observer is not None:
+            state = self._observer.estimate(state)
         memory = self.memory
         memory.ground = state.ground
         memory.mode[-state.gravity[:, 2] < np.cos(_GIVE_UP_TILT)] = OFF
@@ -120,6 +130,8 @@ class WalkingController:
             torques[active] = self._drive(active, dynamics, contact)
             memory.heading[active] += memory.yaw_rate(active) * self._period
         memory.tick += 1
+        if self._observer is not None:
+            self._observer.send(torques)
         return torques
 
     def _drive(self, active: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:

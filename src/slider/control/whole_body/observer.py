@@ -15,7 +15,6 @@ import numpy as np
 from slider.config.control import ObserverConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.controller import WalkingController
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState
@@ -83,33 +82,6 @@ class Observer:
         for torques in inputs:
             self._model.step(torques)
         self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()
-
-
-class ObservingController:
-    """The controller behind its observer, whose estimates it receives."""
-
-    def __init__(self, controller: WalkingController, observer: Observer) -> None:
-        self._controller, self._observer = controller, observer
-
-    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start observer and controller; see :class:`WalkingController`."""
-        self._observer.reset(state)
-        self._controller.reset(state, velocity)
-
-    def give_up(self, robots: np.ndarray) -> None:
-        """Switch the drives of ``robots`` (N,) off and observe them no longer."""
-        self._observer.give_up(robots)
-        self._controller.give_up(robots)
-
-    def set_velocity(self, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
-        self._controller.set_velocity(velocity)
-
-    def control(self, state: RobotState) -> np.ndarray:
-        """Torques (N, 12) [N m or N] from measured states."""
-        torques = self._controller.control(self._observer.estimate(state))
-        self._observer.send(torques)
-        return torques
 
 
 def rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:

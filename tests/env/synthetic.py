@@ -12,7 +12,13 @@ import yaml
 from omegaconf import OmegaConf
 
 from slider.config.convert import from_dict, to_dict, with_settings
-from slider.config.env import DisturbanceConfig, EnvConfig, OnboardConfig, PhysicsConfig
+from slider.config.env import (
+    DisturbanceConfig,
+    EnvConfig,
+    HeightScan,
+    OnboardConfig,
+    PhysicsConfig,
+)
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.core.arrays import tensors
@@ -346,8 +352,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal_height=float(nominal_qpos(robot_config())[2]),
         torque_limits=TORQUE_LIMITS,
         period=0.02,
-        scan_points=(15, 12),
-        scan_spacing=0.1,
+        scan=HeightScan(15, 12, 0.1),
         **values,
     )
     return tensors(view, FLOAT64)

@@ -10,9 +10,10 @@ from slider.env.instruments import (
     LIFT_TIME,
     TOUCH_TIME,
     DriveLoads,
+    in_contact,
+    landings,
     observe,
     over,
-    touchdowns,
 )
 from slider.env.physics import BatchedPhysics
 from slider.robot import names
@@ -103,7 +104,7 @@ def test_touchdowns_without_bounces(spans, expected):
     forces = np.zeros((100, 1, 2))
     for start, stop in spans:  # in which the left foot is down
         forces[start:stop, 0, 0] = 50.0
-    found = touchdowns(forces, 0.005)
+    found = landings(in_contact(forces, 0.005))
     assert np.flatnonzero(found[:, 0, 0]).tolist() == expected
     assert not found[:, 0, 1].any()
 

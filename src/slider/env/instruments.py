@@ -80,16 +80,11 @@ def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
     return ~_without_gaps(~contact, TOUCH_TIME / timestep)
 
 
-def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
-    """Touchdowns of the feet (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
-
-    Bounces are left out; see :func:`in_contact`. A foot that is down at first has no touchdown.
-    """
-    return landings(in_contact(forces, timestep))
-
-
 def landings(contact: np.ndarray) -> np.ndarray:
-    """Touchdowns (T, N, 2): feet in ``contact`` (T, N, 2) that were not one step before."""
+    """Touchdowns (T, N, 2): feet in ``contact`` (T, N, 2) that were not one step before.
+
+    A foot that is down at first has no touchdown.
+    """
     touchdown = contact.copy()
     touchdown[1:] &= ~contact[:-1]
     touchdown[:1] = False

@@ -145,7 +145,6 @@ class AgentInterface:
 
     def view(self, state: RobotState) -> View:
         """Everything that terms may read."""
-        scan = self._config.observation.height_scan
         return View(
             state=state,
             command=self.command,
@@ -161,8 +160,7 @@ class AgentInterface:
             nominal_height=self.nominal_height,
             torque_limits=self._torque_limits,
             period=self._config.control_period,
-            scan_points=(scan.points_x, scan.points_y),
-            scan_spacing=scan.spacing,
+            scan=self._config.observation.height_scan,
         )
 
     def observe(self, state: RobotState) -> torch.Tensor:

@@ -5,6 +5,7 @@ robot but not this package.
 """
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -232,11 +233,11 @@ def height_scan(view: View) -> Array:
 
     From back to front, in each row from right to left.
     """
-    state, (nx, ny) = view.state, view.scan_points
+    state, counts = view.state, (view.scan.points_x, view.scan.points_y)
     ground = state.ground if state.scanned is None else state.scanned
     if ground.flat:
-        return state.base_position[:, 2:3].expand(-1, nx * ny)
-    grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
+        return state.base_position[:, 2:3].expand(-1, math.prod(counts))
+    grid = [view.scan.spacing * (np.arange(n) - 0.5 * (n - 1)) for n in counts]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
     grid = asarray(np.stack([x, y], axis=-1), state.yaw)
     points = turn_to_heading(grid, -state.yaw[:, None]) + state.base_position[:, None, :2]

@@ -32,10 +32,6 @@ _CONTROL, _APPLIED = mujoco.mjtState.mjSTATE_CTRL, mujoco.mjtState.mjSTATE_QFRC_
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
 
 
-def _ignore_warning(message: str) -> None:
-    """Write no log file: blow-ups are detected, counted and ended in ``BatchedPhysics``."""
-
-
 def _stop_timers() -> None:
     """Disable MuJoCo's profiling timers, which are unused and run many times in each step."""
     for library in Path(mujoco.__file__).parent.glob("libmujoco.*"):
@@ -74,7 +70,8 @@ class BatchedPhysics:
             actuation=actuation,
             instruments=instruments,
         )
-        mujoco.set_mju_user_warning(_ignore_warning)
+        # Write no log file: blow-ups are detected, counted and ended here.
+        mujoco.set_mju_user_warning(lambda message: None)
         _stop_timers()
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)

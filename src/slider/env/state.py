@@ -6,6 +6,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from slider.config.env import HeightScan
 from slider.core.arrays import Array, namespace, tensors
 from slider.env.height_field import FLAT, Ground, ScannedGround
 from slider.env.phase import gait_velocity_of
@@ -166,8 +167,7 @@ class View:
         nominal_height: base height of the nominal pose [m].
         torque_limits: (10,) of the motors [N m].
         period: control period [s].
-        scan_points: number of points of the height scan, along x and y.
-        scan_spacing: of these points [m].
+        scan: grid of the height scan.
     """
 
     state: RobotState
@@ -184,8 +184,7 @@ class View:
     nominal_height: float
     torque_limits: Array
     period: float
-    scan_points: tuple[int, int]
-    scan_spacing: float
+    scan: HeightScan
 
     @property
     def gait_velocity(self) -> Array:

@@ -4,7 +4,7 @@ import numpy as np
 
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.core.columns import Columns
-from slider.env.instruments import touchdowns
+from slider.env.instruments import in_contact, landings
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation.results import AXES, MEASURES, Robots, places
@@ -45,7 +45,8 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
     """
     warm_up = profile_of(protocol).warm_up
     steps = windows(case, warm_up, protocol.duration, recording.period)
-    count = touchdowns(recording.contacts.forces, recording.timestep).sum(axis=2)
+    contact = in_contact(recording.contacts.forces, recording.timestep)
+    count = landings(contact).sum(axis=2)
     # In each control step, of both feet (S, N).
     touchdown = count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
     parts = []

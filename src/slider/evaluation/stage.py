@@ -139,7 +139,10 @@ def simulate(
         plant = from_dict(PlantConfig, section["plant"])
         config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
         physics = build_plant(robot, plant, config, count, disturbance, threads)
-        gaits = EnforcedGaits.of(section, inputs)
+        gaits = None
+        if "foot_placement" in inputs:
+            folders = inputs["library"][0], inputs["foot_placement"][0]
+            gaits = EnforcedGaits.load(*folders, section["hzd"])
         controller = build_controller(robot, config, plant.physics, count, gaits, threads)
         return Simulated(controller, physics, plant)
     env = from_dict(EnvConfig, section["env"])

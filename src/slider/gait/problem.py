@@ -203,9 +203,10 @@ def _defects(layout: Layout, z: ca.SX) -> ca.SX:
     """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
     rows = []
     for step in range(2):
-        interval = z[layout.time_index(step)] / layout.intervals
+        time = layout.time_index(step)
+        interval = z[time] / ((layout.nodes - 1) // 2)  # with a node in its middle
         for k in range(0, layout.nodes - 1, 2):
-            first = layout.roll_index(step, k)
+            first = time + 1 + ROLL_STATES * k
             a, m, b = (z[first + ROLL_STATES * j : first + ROLL_STATES * (j + 1)] for j in range(3))
             for i in range(2):
                 rows.append(m[i] - (a[i] + b[i]) / 2 - interval / 8 * (a[i + 1] - b[i + 1]))

@@ -112,22 +112,13 @@ class Layout:
         """Phases of the nodes (nodes,)."""
         return np.linspace(0.0, 1.0, self.nodes)
 
-    @property
-    def intervals(self) -> int:
-        """Pieces of the collocation per step, each with a node in its middle."""
-        return (self.nodes - 1) // 2
-
     def joint_slice(self, step: int) -> slice:
         """Joint variables of a step."""
         return slice(step * self.step_size, step * self.step_size + self.joints.size)
 
     def time_index(self, step: int) -> int:
-        """Position of a step's duration in the variables."""
+        """Position of a step's duration in the variables; roll states of its nodes follow."""
         return step * self.step_size + self.joints.size
-
-    def roll_index(self, step: int, node: int) -> int:
-        """Position of a node's roll in the variables; rate and acceleration follow."""
-        return self.time_index(step) + 1 + ROLL_STATES * node
 
     @cached_property
     def weights(self) -> np.ndarray:

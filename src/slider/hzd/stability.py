@@ -133,9 +133,7 @@ def _record(
     if walk is None:
         return record | dict.fromkeys(_OF_WALK)
     gains = -walk.regulator.phase_gains[0, 0]
-    open_, closed = (
-        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (walk.maps, walk.closed)
-    )
+    open_, closed = (per_step(multipliers(maps)) for maps in (walk.maps, walk.closed))
     values = (
         per_step(multipliers(walk.derivatives))[0],
         open_,

@@ -4,7 +4,7 @@ Everything is in the frame of the stance foot, reflected in right stance, so tha
 steps have the same form.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,15 +106,6 @@ class EnforcedGaits:
             expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
             raise UserError(f"expected foot placement for {expected}, found that of other phases")
         return cls(gaits, feedback, constraints, section["reach"])
-
-    @classmethod
-    def of(
-        cls, section: Mapping[str, Any], inputs: Mapping[str, Sequence[Path]]
-    ) -> "EnforcedGaits | None":
-        """Gaits of a stage's inputs, if they have foot placement."""
-        if "foot_placement" not in inputs:
-            return None
-        return cls.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
 
 
 def at_phase(table: np.ndarray, phase: np.ndarray, *indices: np.ndarray) -> np.ndarray:

@@ -70,11 +70,13 @@ class Observation(Term):
     frame: Frame
     mirror: Mirror | Callable[[ObservationConfig, Geometry], Mirror]
 
-    def describe(self, width: int, geometry: Geometry) -> dict[str, Any]:
-        """Units of all its ``width`` values, frame, components and meaning, as plain values.
+    @property
+    def meaning(self) -> str:
+        """How to get the values, in one line: the docstring."""
+        return " ".join((inspect.getdoc(self.function) or "").split())
 
-        The meaning is how to get the values, in one line: the docstring.
-        """
+    def describe(self, width: int, geometry: Geometry) -> dict[str, Any]:
+        """Units of all its ``width`` values, frame, components and meaning, as plain values."""
         units, components = (
             value(geometry) if callable(value) else value for value in (self.units, self.components)
         )
@@ -82,7 +84,7 @@ class Observation(Term):
             "units": np.broadcast_to(units, width).tolist(),
             "frame": self.frame,
             "components": list(components),
-            "meaning": " ".join((inspect.getdoc(self.function) or "").split()),
+            "meaning": self.meaning,
         }
 
 

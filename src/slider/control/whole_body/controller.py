@@ -78,10 +78,7 @@ class WalkingController:
     def __init__(
         self, plant: PlantModel, stepping: Stepping, observer: Observer | None = None
     ) -> None:
-        self._observer = observer
-        self._period, self._model = plant.period, plant.model
-        self._entry, self._body, self._stepping = plant.entry, plant.body, stepping
-        self._omega, self._reach = plant.omega, plant.reach
+        self._plant, self._stepping, self._observer = plant, stepping, observer
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
@@ -102,7 +99,7 @@ class WalkingController:
     def _start(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> Dynamics:
         self.memory = Memory.on_both_feet(velocity.copy(), heading)
         self._stepping.reset(state.num_robots)
-        return self._model.evaluate(state.qpos, state.qvel)
+        return self._plant.model.evaluate(state.qpos, state.qvel)
 
     def give_up(self, robots: np.ndarray) -> None:
         """Switch the drives of ``robots`` (N,) off and observe them no longer."""
@@ -124,11 +121,11 @@ class WalkingController:
         torques = np.zeros((state.num_robots, names.NUM_JOINTS))
         active = np.flatnonzero(memory.mode != OFF)
         if len(active):
-            dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
+            dynamics = self._plant.model.evaluate(state.qpos[active], state.qvel[active])
             contact = state.foot_forces[active] > CONTACT_FORCE
             self._switch(active, dynamics, contact)
             torques[active] = self._drive(active, dynamics, contact)
-            memory.heading[active] += memory.yaw_rate(active) * self._period
+            memory.heading[active] += memory.yaw_rate(active) * self._plant.period
         memory.tick += 1
         if self._observer is not None:
             self._observer.send(torques)
@@ -152,9 +149,9 @@ class WalkingController:
             else:
                 desired = np.zeros((len(robots), 2, 3))
                 if mode == SWAY:
-                    desired = self._entry.reference(take(sway, robots))
-                    sway.elapsed[robots] += self._period
-                result = self._body.on_both_feet(memory, robots, own, touching, desired)
+                    desired = self._plant.entry.reference(take(sway, robots))
+                    sway.elapsed[robots] += self._plant.period
+                result = self._plant.body.on_both_feet(memory, robots, own, touching, desired)
             torques[index], solved = result
             memory.mode[robots[~solved]] = OFF
         return torques
@@ -165,7 +162,7 @@ class WalkingController:
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
         height = dynamics.foot_positions[:, :, 2]
         side = np.where(height[:, LEFT] >= height[:, RIGHT], 1.0, -1.0)
-        sway = self._entry.begin(middle, position, side, self.memory.velocity[robots, 0])
+        sway = self._plant.entry.begin(middle, position, side, self.memory.velocity[robots, 0])
         scatter(self.memory.sway, robots, sway)
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
@@ -204,20 +201,21 @@ class WalkingController:
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
         velocity = self.memory.to_heading(dynamics.com_velocity[:, :2], robots)
         support = dynamics.foot_positions[np.arange(len(robots)), _first_stance(sway), :2]
-        done = self._entry.done(sway, position, velocity, self.memory.to_heading(support, robots))
-        self._entry.restart(sway, position, velocity)
+        foot = self.memory.to_heading(support, robots)
+        done = self._plant.entry.done(sway, position, velocity, foot)
+        self._plant.entry.restart(sway, position, velocity)
         scatter(self.memory.sway, robots, sway)
         return done
 
     def _can_stop(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
         """Where the capture point is between the feet and within their length."""
-        capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._omega
+        capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._plant.omega
         feet = [self.memory.to_heading(dynamics.foot_positions[:, i, :2], robots) for i in FEET]
         place = self.memory.to_heading(capture, robots)
         apart = np.abs(feet[LEFT] - feet[RIGHT])[:, 0]
         ahead = np.abs(place - 0.5 * (feet[LEFT] + feet[RIGHT]))[:, 0]
         between = (place[:, 1] < feet[LEFT][:, 1]) & (place[:, 1] > feet[RIGHT][:, 1])
-        beside = (apart < self._reach) & (ahead < self._reach / 2)
+        beside = (apart < self._plant.reach) & (ahead < self._plant.reach / 2)
         return between & beside
 
 

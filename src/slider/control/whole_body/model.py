@@ -38,7 +38,7 @@ class Dynamics:
         com, com_velocity: centre of mass (n, 3) [m], [m/s].
         com_jacobian: (n, 3, 18).
         com_bias: its acceleration at q̈ = 0 (n, 3) [m/s²].
-        base_rotation: (n, 3, 3) to world; base_quaternion: (n, 4).
+        base_rotation: (n, 3, 3) to world.
         foot_positions: middle of the foot lines (n, 2, 3) [m].
         foot_rotations: (n, 2, 3, 3) to world.
         foot_jacobians: of these points, linear above angular (n, 2, 6, 18).
@@ -55,7 +55,6 @@ class Dynamics:
     com_jacobian: np.ndarray
     com_bias: np.ndarray
     base_rotation: np.ndarray
-    base_quaternion: np.ndarray
     foot_positions: np.ndarray
     foot_rotations: np.ndarray
     foot_jacobians: np.ndarray
@@ -140,7 +139,6 @@ class NominalModel:
             com_jacobian=com_jacobian,
             com_bias=bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY],
             base_rotation=turn.reshape(n, 3, 3),
-            base_quaternion=qpos[:, 3:7],
             foot_positions=soles,
             foot_rotations=turns.reshape(n, 2, 3, 3),
             foot_jacobians=jacobians,

@@ -188,7 +188,6 @@ def advance_swing(
         elapsed, duration: of the step (n,) [s].
         ground: height of the sole at touchdown (n,) [m].
         apex: largest height of the sole (n,) [m].
-        config: touchdown.
         period: of a tick [s].
     """
     result = np.empty_like(reference)

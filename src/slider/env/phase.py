@@ -6,8 +6,6 @@ from slider.config.env import HaltConfig
 from slider.core.arrays import Array, namespace, tensors
 
 if TYPE_CHECKING:
-    import torch
-
     from slider.library.lookup import StepTimes
 
 
@@ -30,7 +28,7 @@ class Clock:
         period: float,
         num_robots: int,
         halt: HaltConfig,
-        like: "torch.Tensor",
+        like: Array,
     ) -> None:
         self._times = tensors(times, like)
         self._period = period

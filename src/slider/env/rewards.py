@@ -344,9 +344,7 @@ class Reward:
         """Reward (N,), and the weighted terms by name (N,), before ``floor`` and ``scale``."""
         config = self._config
         parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
-        total = r.state.yaw.new_zeros(r.state.num_robots)
-        for part in parts.values():
-            total = total + part
+        total: Array = sum(parts.values(), r.state.yaw.new_zeros(r.state.num_robots))
         total = total.clip(min=config.floor) * config.scale
         return total + config.on_fall * fell, parts
 

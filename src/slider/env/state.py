@@ -15,7 +15,6 @@ from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, y
 
 if TYPE_CHECKING:  # the configuration is checked with the terms: let that be quick
     import mujoco
-    import torch
 
 SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
 
@@ -66,7 +65,7 @@ class RobotState:
     ground: Ground = FLAT
     scanned: ScannedGround | None = None
 
-    def tensors(self, like: "torch.Tensor") -> "RobotState":
+    def tensors(self, like: Array) -> "RobotState":
         """The same as tensors on the device and in the precision of ``like``.
 
         Those of MuJoCo on the processor share the memory of its arrays.

@@ -111,8 +111,6 @@ def zero_dynamics(
     """Zero dynamics from derivatives along ``directions``, of which r are theirs.
 
     Args:
-        loop: the robot.
-        r: number of coordinates.
         orbit: ξ* (2, n, S, 4).
         landed: derivatives of the states after the next impact (2, n, 22, m).
         seen: of ξ at ``PHASES`` (2, n, 4 S, m).

@@ -28,7 +28,7 @@ ROWS = table(
 def test_values_beyond_a_bound_fail_and_infinite_ones_too():
     failed = summary.failures(ROWS, {"dynamics_torque": 1e-6, "regulated_steps": 10.0})
     assert [failure.velocity[0] for failure in failed] == [0.3, 0.4, 0.3]
-    assert str(failed[0]) == "gait (0.3, 0) m/s, dynamics_torque: expected ≤ 1e-06 N m, found 0.001"
+    assert failed[0].text == "gait (0.3, 0) m/s, dynamics_torque: expected ≤ 1e-06 N m, found 0.001"
     assert "expected ≥ 10" in str(failed[2])
     assert summary.failures(ROWS, NONE) == []
 

@@ -30,7 +30,7 @@ def verified(folder, bound: float):
     bounds: dict[str, float | None] = dict.fromkeys(QUANTITIES) | {"periodicity": bound}
     failed = failures(rows, bounds)
     write_csv(folder / "verification.csv", rows, failed)
-    facts = {"failures": [str(one) for one in failed], "quantities": worst(rows, bounds)}
+    facts = {"failures": [one.text for one in failed], "quantities": worst(rows, bounds)}
     (folder / "verification.json").write_text(json.dumps({"gaits": 2, **facts}))
     (folder / "verification_maps.svg").write_text("<svg/>")
     inputs = {name: [folder] for name in ("verification", "verification_maps")}

@@ -40,7 +40,8 @@ results: $(STAMP) # tables of README.md and docs/, from the finished runs in rep
 	$(RUN) slider.cli results
 
 animation: $(STAMP)
-	$(RUN) slider.cli play --film docs/images/walk.webp --velocity 1.2 0 0
+	$(RUN) slider.cli play --film $(VENV)/walk.webp --velocity 1.2 0 0
+	mv $(VENV)/walk.webp docs/images/walk.webp
 
 docs: $(STAMP) # site/; a broken link is an error
 	$(RUN) pip install --quiet -c constraints.txt -e '.[docs]'

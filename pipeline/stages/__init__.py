@@ -46,7 +46,11 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs up to Table 1 by the name of their target."""
+    """Jobs up to Table 1 by the name of their target.
+
+    Raises:
+        UserError: a controller of Table 1 cannot walk these gaits.
+    """
     check_walkable(config, "evaluation.controllers", config.evaluation.controllers)
     library = library_job(config)
     trainings = training_jobs(config, library)

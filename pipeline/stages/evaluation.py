@@ -162,7 +162,11 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The comparison, and with it a job per controller and axis."""
+    """The comparison, and with it a job per controller and axis.
+
+    Raises:
+        UserError: an exported policy is not there, or a controller cannot walk the gaits.
+    """
     gauge = config.gauge
     check_walkable(config, "gauge.controllers", gauge.controllers)
     protocol = only(to_dict(gauge), *(item.name for item in fields(GaugeProtocol)))

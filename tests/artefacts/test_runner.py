@@ -101,6 +101,20 @@ def test_lost_manifest_is_written_again_without_computing(package, store):
     assert '"inf": "inf"' in text
 
 
+def test_a_broken_index_entry_or_fact_is_computed_again(package, store):
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    (entry,) = store.index()
+    for path in (entry, store.sidecar_path("first", spec.recipe)):
+        path.write_text("[]")
+    assert Runner(store).run(spec) != "reused"
+    assert facts(store, spec)["computed"] is True
+    store.sidecar_path("first", spec.recipe).write_text("{")
+    following = job(package, "second", {}, {"values": [spec]})
+    with pytest.raises(KeyError, match=r"^'solve_s'$"):  # of the stage: it receives none
+        Runner(store).run(following)
+
+
 @pytest.mark.parametrize("damage", [Path.unlink, lambda path: path.write_text("7")])
 def test_damaged_input_is_refused(package, store, damage):
     first = job(package, "first", {"value": 10})

@@ -160,6 +160,14 @@ def test_prints_three_digits(value, spread, metric, text):
     assert compare([row_of("policy", 1.0, **cells)], metric).rows[0][1].text == text
 
 
+def test_success_has_its_interval_and_the_papers_has_none():
+    rows = [row_of("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
+    rows.append(row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
+    _, ours, papers = compare(rows, SUCCESS).rows[0]
+    assert (ours.text, papers.text) == ("99.6 % [99.0, 99.8]", "100.0 %")
+    assert (ours.best, papers.best) == (False, True)
+
+
 def test_latex_is_escaped_and_balanced():
     text = "".join(table.latex for table in comparisons(ROWS))
     assert "0.0246 & 0.500 & \\textbf{0.0221} & $\\infty$ \\\\" in text

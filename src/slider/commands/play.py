@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--headless", action="store_true", help="without pictures: print the outcome"
     )
-    parser.add_argument("--film", type=Path, help="write an animated picture (.webp) instead")
+    parser.add_argument("--film", type=Path, help="write an animated picture of a walk, or a fall")
     parser.add_argument("--seconds", type=finite, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
     parser.add_argument(

@@ -183,7 +183,7 @@ class PlantConfig(t.Group):
     physics: PhysicsConfig
     termination: TerminationConfig
     onboard: OnboardConfig | None = None
-    """sensors and estimator; null where no controller receives their estimate"""
+    """sensors and estimator; null in the section of a stage that does not use them"""
 
     @property
     def estimation(self) -> OnboardConfig | None:

@@ -79,9 +79,9 @@ def without_absent(robot: Any) -> None:
 
 
 def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
-    """What the model file of ``robot=option`` gives, if it is a file that names one.
+    """What the model file of the robot's file gives, if it names one, and the keys of both.
 
-    Also the dotted keys of all values that both give; None of an option of ``conf/robot``.
+    Keys are dotted. An option of ``conf/robot`` gives neither: (None, None).
     """
     if (path := _path(f"robot={option}")) is None:
         return None, None

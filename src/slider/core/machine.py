@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from slider.core.errors import UserError, require
+from slider.core.errors import UserError
 
 _CPUINFO = Path("/proc/cpuinfo")
 _LEVELS = {  # highest first, with flags of the processor
@@ -92,9 +92,11 @@ def check_machine(section: Mapping[str, Any]) -> None:
         UserError: the machine has others.
     """
     expected = section.get("numerics", kernels())
-    found = f"{kernels()} on {platform.node()} ({processor()})"
-    started = f"{expected}, as where the pipeline was started"
-    require(expected == kernels(), "numerics", started, found)
+    if expected != kernels():
+        raise UserError(
+            f"numerics: expected {expected}, as where the pipeline was started, "
+            f"found {kernels()} on {platform.node()} ({processor()})"
+        )
     if section.get("train", {}).get("device") == "cuda" and not _has_cuda():
         raise UserError(f"device: expected cuda, found none on {platform.node()}")
 

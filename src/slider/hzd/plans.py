@@ -1,7 +1,6 @@
 """Steps of stored gaits, as the closed loop follows them."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -94,8 +93,8 @@ def _plan(
     effort = effort.reshape(n, _NODES, 1)
     ankle = NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
     by_time = clock | (config.phase == "time")
-    own: dict[str, Any] = vars(steps) | {"placement": placement}
-    return StepPlan(**own, hip=hip, ankle=ankle, duration=duration, clock=by_time)
+    legs = steps.coefficients, steps.roll, placement, steps.lengths, steps.slide_length
+    return StepPlan(*legs, hip, ankle, duration, by_time)
 
 
 def motion(steps: Steps, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:

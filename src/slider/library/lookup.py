@@ -72,7 +72,10 @@ class GaitTable:
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
     def at(self, velocity: Array, phase: Array) -> Array:
-        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1)."""
+        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1).
+
+        Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
+        """
         result = at_phase(self.times, self.reference, velocity, phase)
         normalise(result[:, NUM_CHANNELS:])
         return result

@@ -78,7 +78,8 @@ class Smoothness:
 def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
     """Jumps between neighbours of gaits with velocities (G, 3) and channels (G, S, C).
 
-    A channel that never changes has none.
+    Each channel is divided by its range over all gaits and samples: 0.1 is a tenth of it. One that
+    never changes has no jumps.
     """
     pairs = neighbours(velocities)
     extent = np.ptp(samples, axis=(0, 1))

@@ -32,10 +32,12 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     length = _SECONDS if seconds is None else seconds
     require(length >= _WALK, "--film", f"--seconds of at least {_WALK:g}", f"{length:g}")
     frames = loop.record(scene.motion, control, _WARM_UP + length)
-    shown = frames[:: round(1.0 / (_FRAME_RATE * scene.motion.period))]
-    fell, first, end = frames[-1].failed, 0, len(shown)
-    if not fell:
-        first = round(_WARM_UP * _FRAME_RATE)
+    fell, every = frames[-1].failed, round(1.0 / (_FRAME_RATE * scene.motion.period))
+    if fell:
+        shown, first = frames[::-every][::-1], 0
+        end = len(shown)
+    else:
+        shown, first = frames[::every], round(_WARM_UP * _FRAME_RATE)
         end = first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
     seen, terrain = shown[first // 2 : end], scene.motion.terrain

@@ -80,7 +80,8 @@ def agent_scene(
 ) -> Scene:
     """A controller of ``conf/control`` on torque drives, as in its evaluation, or a smoke agent.
 
-    ``gaits`` returns library and foot placement for controllers that walk by them.
+    ``gaits`` returns library and foot placement for controllers that walk by them. A policy is
+    a scene of its own.
 
     Raises:
         UserError: there is no agent of this name.

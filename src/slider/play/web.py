@@ -69,7 +69,13 @@ def viewer_at(host: str) -> type[WebViewer]:
     """MuJoCo's viewer at one address; by itself it listens at all of the machine's addresses."""
 
     class Viewer(WebViewer):
-        _host = property(lambda _: host, lambda _, every: None)
+        @property
+        def _host(self) -> str:
+            return host
+
+        @_host.setter
+        def _host(self, value: str) -> None:
+            pass
 
     return Viewer
 

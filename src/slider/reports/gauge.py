@@ -1,4 +1,9 @@
-"""The stage ``gauge``: the highest level of each controller along each axis, and one number."""
+"""The stage ``gauge``: the highest level of each controller along each axis, and one number.
+
+The level of an axis is the highest one up to which, at every level, at least the share ``survival``
+of all robots passes, over all speeds, seeds and directions. The gauge number of a controller is the
+mean of its levels over the axes.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -17,7 +17,11 @@ _POSTER_TIME = 2.0  # a robot in motion [s]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Simulate one robot from rest, film it, and say how it went."""
+    """Simulate one robot from rest, film it, and say how it went.
+
+    Raises:
+        UserError: nothing can be rendered on this machine.
+    """
     # Before the first import of mujoco, which reads it. The page reads names of this module: it
     # does not wait for what simulates.
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]

@@ -16,6 +16,16 @@ from slider.library.reader import STORE
 from slider.training.trainer import WEIGHTS, Trainer
 
 
+def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Pre-train a policy that stands; it is not guided by the library."""
+    return _run(section, inputs, out, job, guided=False)
+
+
+def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Train walking, from the weights of another training and with the library, where given."""
+    return _run(section, inputs, out, job, guided=True)
+
+
 def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) -> Summary:
     """Train, from the weights of another training where given, and export the best policy."""
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
@@ -26,12 +36,6 @@ def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) ->
         trainer.start_from(inputs["start"][0] / WEIGHTS)
     trainer.run()
     return trainer.export(out)
-
-
-run_standing = partial(_run, guided=False)
-"""Pre-train a policy that stands; it is not guided by the library."""
-run_walking = partial(_run, guided=True)
-"""Train walking, with the library where it is given."""
 
 
 def simulator(train: TrainConfig) -> Callable[..., Any] | None:

@@ -82,8 +82,6 @@ class WalkingController:
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
-        if self._observer is not None:
-            self._observer.reset(state)
         self._begin_sway(np.arange(state.num_robots), self._start(state, velocity, state.yaw))
 
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
@@ -97,6 +95,8 @@ class WalkingController:
         self._stepping.begin(self.memory, np.arange(count), dynamics, np.full(count, LEFT))
 
     def _start(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> Dynamics:
+        if self._observer is not None:
+            self._observer.reset(state)
         self.memory = Memory.on_both_feet(velocity.copy(), heading)
         self._stepping.reset(state.num_robots)
         return self._plant.model.evaluate(state.qpos, state.qvel)

@@ -54,7 +54,7 @@ def quintic(
     """State (…, 3) at ``time`` (…) [s] of the quintic that joins two states.
 
     ``start`` (…, 3) are position, velocity and acceleration at 0, ``end`` (…, 3) those at
-    ``duration`` (…), positive [s].
+    ``duration`` (…), positive [s]; ``time`` is between the two.
     """
     t = np.asarray(time)
     p0, v0, a0 = np.moveaxis(start, -1, 0)
@@ -105,8 +105,8 @@ class ReferenceVelocity:
     def correct(self, memory: Memory, robots: np.ndarray, com: np.ndarray) -> None:
         """Add the velocity error of the last stride at the start of a step.
 
-        ``starts`` and ``correction`` of the memory change; ``com`` are the centres of mass (n, 2)
-        [m], world.
+        ``starts`` and ``correction`` of the memory change; ``robots`` (n,) are those that start a
+        step, ``com`` (n, 2) their centres of mass [m], world.
         """
         now = np.concatenate([com, memory.walked[robots, None]], axis=1)
         moved = now - memory.starts[robots, 0]

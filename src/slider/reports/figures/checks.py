@@ -38,7 +38,11 @@ knee's. `reports/verification.csv` has all numbers.
 
 
 def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Draw what the independent checks give as maps, SVG and Markdown."""
+    """Draw what the independent checks give as maps, SVG and Markdown.
+
+    Raises:
+        UserError: the table lacks a gait of the library.
+    """
     library = GaitLibrary.load(inputs["library"][0] / STORE).straight
     table = rows_by_command(inputs["verification"][0] / TABLE)
     maps = [

@@ -56,7 +56,7 @@ def providers(package: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("folders", "extras"),
-    [(("src", "pipeline"), ("verify", "bundle", "remote", "gpu")), (("tests",), ("test",))],
+    [(("src", "pipeline"), ("verify", "remote", "gpu")), (("tests",), ("test",))],
 )
 def test_what_is_imported_is_declared(folders, extras):
     declared = names(REQUIRED).union(*(names(EXTRAS[extra]) for extra in extras))

@@ -25,7 +25,6 @@ COMMANDS = {
     "why": ("slider.commands.plans:why", "show what would be computed, because of which change"),
     "diff": ("slider.commands.plans:diff", "show how two plans or two stores differ"),
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
-    "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-control": ("slider.bench.controllers", "time the model-based controllers"),
     "benchmark-training": ("slider.bench.loop", "time physics, environment and training"),
     "library": ("slider.commands.gaits:library", "show what is in the gait library"),

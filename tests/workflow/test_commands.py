@@ -1,16 +1,10 @@
-"""Bundles and remotes beside the real Snakemake."""
-
-import shlex
-import shutil
-import subprocess
-import zipfile
+"""Remotes beside the real Snakemake."""
 
 import pytest
 
 from tests.workflow.workspace import (
     EVERYTHING,
     QUIET,
-    REPOSITORY,
     TABLE,
     Workspace,
     copy_repository,
@@ -19,25 +13,6 @@ from tests.workflow.workspace import (
 )
 
 pytestmark = pytest.mark.workflow
-
-
-def test_the_unpacked_project_has_the_plan_of_the_results(workspace, tmp_path):
-    shutil.copy(REPOSITORY / "CITATION.cff", workspace.folder)
-    (workspace.folder / ".gitignore").write_text("/artefacts\n/reports\n.snakemake\n__pycache__\n")
-    workspace.computed("train.walking.iterations=5")
-    for command in (["init", "-q"], ["add", "-A"]):
-        subprocess.run(["git", "-C", workspace.folder, *command], check=True)
-    done = workspace.slider("bundle", "table1")
-    assert (done.returncode, done.stderr) == (0, "")
-    printed = done.stdout.splitlines()[-1].removeprefix("unpacked, this has the results: ")
-    with zipfile.ZipFile(workspace.folder / "reports" / "table1.crate.zip") as archive:
-        archive.extractall(tmp_path / "unpacked")
-    unpacked = Workspace(tmp_path / "unpacked")
-    before = unpacked.stages()
-    again = unpacked.command(["-m", *shlex.split(printed)])
-    assert again.returncode == 0, again.stderr
-    assert unpacked.table.read_text() == workspace.table.read_text()
-    assert unpacked.stages() == before
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,7 @@ from slider.commands.results import BLOCKS, MARKED
 from tests.artefacts.samples import compute
 
 ROOT = Path(__file__).parents[2]
-DOCS = sorted((ROOT / "docs").rglob("*.md"))
-GUIDES = [ROOT / "README.md", *(page for page in DOCS if page.parent.name != "notebook")]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 TABLE = """\
 controller,label,source,speed,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
 policy,policy (ours),measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
@@ -118,5 +117,5 @@ def test_a_report_of_another_version_is_one_line(capsys):
 
 
 def test_every_block_is_shown_somewhere():
-    shown = {match[2] for page in GUIDES for match in MARKED.finditer(page.read_text())}
+    shown = {match[2] for page in PAGES for match in MARKED.finditer(page.read_text())}
     assert set(BLOCKS) <= shown

@@ -52,7 +52,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "*.planner.width_min *.velocity.integral* *.swing.* *.entry.*",  # as above
         "*.step.time_change *.step.time_per_speed* *.step.early *.step.late *.observer.delay",
         "*.hzd.weights.* *.hzd.ahead* *.hzd.lock *.hzd.hip_start.* *.hzd.descent",  # switched off
-        "verification.bounds.* verification.replay.*",  # exact; no limit
+        "verification.bounds.*",  # exact; no limit
         "hzd.impacts.* hzd.basin.* hzd.placement.lower hzd.feedback.reach",  # as above
         "gait.decoupling_min",  # none is refused
         "*.seed *.sampler_seed *.seeds[[]* *seeds.*.first seeds.selection",  # counted from

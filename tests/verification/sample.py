@@ -18,7 +18,7 @@ from tests.config.composed import composed
 from tests.library.solved import solved_library
 
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
-SHORT = ("verification.replay.steps=3", "verification.points=21", "verification.chunk=2")
+SHORT = ("verification.points=21", "verification.chunk=2")
 
 
 @cache

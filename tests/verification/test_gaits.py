@@ -42,8 +42,8 @@ def test_checks_give_all_quantities():
 
 
 def test_a_value_that_is_no_number_is_the_worst_one():
-    nothing = {"roll": lambda _: {"roll_end": np.nan, "regulated_steps": np.nan}}
-    expected = {"roll_end": np.inf, "regulated_steps": -np.inf}
+    nothing = {"roll": lambda _: {"roll_end": np.nan, "dense_leg_distance": np.nan}}
+    expected = {"roll_end": np.inf, "dense_leg_distance": -np.inf}
     assert check_gait(gaits()[0], nothing) == expected
 
 

@@ -67,7 +67,7 @@ def test_targets_beside_the_way_to_the_table(real, tmp_path):
     mine = "defaults: [sensitivity, _self_]\nspeeds: [0.4]\n"
     study.write_text(f"{mine}scaling: {{parameters: [geometry.toe]}}\nevaluation: {{robots: 2}}\n")
     targets = "figures policy reports/verification.csv reports/mine.csv"
-    short = "verification.replay.steps=2 verification.points=21"
+    short = "verification.points=21"
     stages = Counter(workspace.computed(short, target=targets))
     studied = {"gait": 2, "evaluation": 3, "study": 1}
     assert {name: stages[name] for name in studied} == studied

@@ -223,61 +223,12 @@ class IntegratorConfig(t.Group):
     absolute: Annotated[t.Tolerance, t.Unit("rad, rad/s")]
 
 
-class RegulatorConfig(t.Group):
-    """Step-to-step foot placement of the replay; see ``slider.verification.replay``."""
-
-    lateral: t.Factor
-    """share of the predicted error that a step takes away, sideways"""
-    forward: t.Some[t.Factor]
-    """the same forwards, at the velocities ``speeds``, linear between"""
-    speeds: t.Rising[t.Some[t.MetresPerSecond]]
-    """gait velocities of ``forward``"""
-    reach: t.NonNegative[t.Metres]
-    """greatest change of a foot's place"""
-    placement_end: t.Positive[t.Share]
-    """phase by which the swing foot is over its new place"""
-    fade: t.Positive[t.Share]
-    """phase by which errors left by the impact are gone"""
-    descent: t.NonNegative[t.MetresPerSecond]
-    """speed at which a late swing foot is lowered"""
-
-
-class ReplayConfig(t.Group):
-    """Replay in MuJoCo."""
-
-    steps: Annotated[t.Count, Field(le=100_000)]
-    """length of the walk"""
-    timestep: t.Positive[t.Seconds]
-    """of the physics"""
-    substeps: Annotated[t.Count, Field(le=1000)]
-    """of the physics per control step"""
-    points: Annotated[t.Count, Field(ge=2)]
-    """of the table of targets, per step"""
-    contact: t.NonNegative[t.Newtons]
-    """force that counts as a touchdown"""
-    height: t.NonNegative[t.Metres]
-    """a lower base has fallen"""
-    tilt: t.Positive[t.Radians]
-    """a base that leans further has fallen"""
-    patience: Annotated[t.Positive[t.Factor], t.Unit("step times")]
-    """a swing foot that has not landed by then has missed the ground"""
-    regulator: Annotated[
-        RegulatorConfig,
-        t.Rule(
-            "one `forward` for each of `speeds`",
-            lambda regulator: len(regulator.forward) == len(regulator.speeds),
-            ("forward", "speeds"),
-        ),
-    ]
-
-
 class CheckConfig(t.Group):
     """What the checks of a single gait need."""
 
     integrator: IntegratorConfig
     points: Annotated[t.Count, Field(ge=2)]
     """per step, for the resampling between nodes"""
-    replay: ReplayConfig
 
 
 class VerificationConfig(CheckConfig):

@@ -191,7 +191,7 @@ def verification(sources: Sources) -> Blocks:
     yield Text(
         f"{about['gaits']} gaits, checked by other means than those that solved them: pinocchio "
         "and MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between "
-        "the nodes, a replay in simulation."
+        "the nodes."
     )
     if failures:
         yield Text(f"{len(failures)} values are beyond their bounds, of {bounded}:", "failed")

@@ -1,4 +1,4 @@
-"""Check 6: stored gaits against MuJoCo's inverse dynamics and mass matrix.
+"""Check 5: stored gaits against MuJoCo's inverse dynamics and mass matrix.
 
 The plant is the model that policies walk, without contacts and joint limits. Gaits hold its upper
 feet on the tubes.

@@ -39,20 +39,18 @@ def checks(
     """
     if importlib.util.find_spec("pinocchio") is None:
         raise UserError("expected pinocchio, found none: pip install 'slider-ehzd[verify]'")
-    from slider.verification import dense, plant, replay
+    from slider.verification import dense, plant
     from slider.verification import dynamics as residuals
     from slider.verification.pin_robot import PinRobot
 
     floating, simulated = PinRobot(robot, dynamics), plant.Plant(robot)
     between = {"pinocchio": floating, "robot": robot, "posture": posture, "points": config.points}
-    simulation = replay.Simulation(robot, config.replay)
     return {
         "dynamics": partial(residuals.inverse_dynamics, robot=floating),
         "impact": partial(residuals.impact, robot=floating),
         "mean_velocity": residuals.mean_velocity,
         "periodicity": residuals.periodicity,
         "roll": partial(residuals.roll, robot=floating, integrator=config.integrator),
-        "replay": partial(replay.regulated, simulation=simulation, plant=simulated),
         "plant": partial(plant.inverse_dynamics, plant=simulated),
         "plant_impact": partial(plant.impact, plant=simulated),
         "dense": partial(dense.between_nodes, **between),

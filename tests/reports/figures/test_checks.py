@@ -73,7 +73,7 @@ def table(folder: Path, gaits: list[tuple[float, float, float]]) -> Path:
     folder.mkdir()
     values = 100.0 * np.arange(len(gaits))[:, None] + np.arange(len(CHECKS)) + 1
     rows = pd.DataFrame(np.hstack([gaits, values]), columns=[*VELOCITY, *CHECKS])
-    rows.loc[2:, "regulated_steps"] = np.nan
+    rows.loc[2:, "dense_cop"] = np.nan
     rows.assign(failed="").to_csv(folder / TABLE, index=False)
     return folder
 
@@ -86,8 +86,8 @@ def store(tmp_path_factory) -> Path:
 def test_values_belong_to_their_gaits(store, tmp_path):
     checked = table(tmp_path / "checked", CHECKED[::-1])  # in another order than the library's
     library = GaitLibrary.load(store / "library.zarr")
-    found = gait_values(library, rows_by_command(checked / TABLE), "regulated_speed")
-    place = list(CHECKS).index("regulated_speed") + 1
+    found = gait_values(library, rows_by_command(checked / TABLE), "dense_leg_distance")
+    place = list(CHECKS).index("dense_leg_distance") + 1
     order = [CHECKED[::-1].index(tuple(command)) for command in library.velocities.tolist()]
     np.testing.assert_array_equal(found, 100 * np.array(order) + place)
     assert set(MAPS) <= CHECKS.keys()

@@ -22,7 +22,6 @@ from slider.verification.quantities import QUANTITIES
 TABLE = "verification.csv"
 NAME = "verification_maps"
 MAPS = (  # what a gait is like, rather than whether its numbers are right
-    "regulated_steps",
     "plant_force",
     "roll_end",
     "dense_torque",
@@ -30,10 +29,9 @@ MAPS = (  # what a gait is like, rather than whether its numbers are right
     "dense_friction",
 )
 VERIFICATION_CAPTION = """\
-One cell per gait. The replay holds at most the configured number of steps. The force is what the
-plant's inverse dynamics leave on the base under the stored ground force, at the worst sample:
-rounding where gaits have the prismatic leg's dynamics, tens of newtons where they have the virtual
-knee's. `reports/verification.csv` has all numbers.
+One cell per gait. The force is what the plant's inverse dynamics leave on the base under the stored
+ground force, at the worst sample: rounding where gaits have the prismatic leg's dynamics, tens of
+newtons where they have the virtual knee's. `reports/verification.csv` has all numbers.
 """
 
 

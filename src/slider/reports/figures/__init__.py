@@ -1,7 +1,6 @@
 """Figures of robot, gaits and controllers, each as SVG; names here, so that plans draw nothing."""
 
 NAMES = (
-    "capstan",
     "mapping",
     "zero_dynamics",
     "limit_cycles",

@@ -7,17 +7,12 @@ from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
-from slider.reports.figures import capstan, gaits, mapping, maps, zero_dynamics
+from slider.reports.figures import gaits, mapping, maps, zero_dynamics
 from slider.reports.figures.style import write_figure
 
 Caption = str | Callable[[GaitLibrary], str]
 DRAWINGS: dict[str, tuple[str, Callable[[GaitLibrary], Figure], Caption]] = {
-    "capstan": ("Differential capstan drive", capstan.draw, capstan.caption),
-    "mapping": (
-        "Mapping between virtual-knee leg and prismatic leg",
-        mapping.draw,
-        mapping.caption,
-    ),
+    "mapping": ("Mapping between virtual knee and slide", mapping.draw, mapping.caption),
     "zero_dynamics": (
         "Transformation of the zero dynamics",
         zero_dynamics.draw,

@@ -25,8 +25,6 @@ COMMANDS = {
     "why": ("slider.commands.plans:why", "show what would be computed, because of which change"),
     "diff": ("slider.commands.plans:diff", "show how two plans or two stores differ"),
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
-    "benchmark-control": ("slider.bench.controllers", "time the model-based controllers"),
-    "benchmark-training": ("slider.bench.loop", "time physics, environment and training"),
     "library": ("slider.commands.gaits:library", "show what is in the gait library"),
     "gait": ("slider.commands.gaits:gait", "show or export one gait of the library"),
     "policy": ("slider.commands.policy", "show or export a trained policy"),

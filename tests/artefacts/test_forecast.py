@@ -6,6 +6,7 @@ from slider.artefacts.forecast import START, Forecast, expected, kind, remembere
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
+from slider.cli import main
 from slider.core import files
 
 
@@ -73,3 +74,12 @@ def test_times_are_those_of_earlier_jobs_in_proportion_to_their_size(store):
     rates = remembered(store, ["baseline"])
     assert expected(job, rates) == pytest.approx(START + 60.0)
     assert expected(evaluation(200), rates) == pytest.approx(START + 120.0)
+
+
+def test_store_times_adds_the_processor_seconds_of_what_ran(store, capsys):
+    for robots, seconds in ((100, 60.0), (200, 180.0)):
+        note(store, evaluation(robots), computed=True, wall_s=200.0, cpu_s=seconds)
+        store.manifest_path("baseline", evaluation(robots).recipe).write_text("{}")
+    note(store, evaluation(7), computed=False, wall_s=9.0, cpu_s=9.0)
+    assert main(["store", "--artefacts", str(store.root), "times"]) == 0
+    assert "baseline hzd,0.75,2,240.0" in capsys.readouterr().out.splitlines()

@@ -60,6 +60,23 @@ def size(job: JobSpec) -> float:
     return math.prod(factors)
 
 
+def computed(
+    store: Store, stages: Iterable[str], latest: int | None = None
+) -> dict[str, list[tuple[float, float]]]:
+    """Processor seconds and seconds per size of the (latest) jobs of some stages, by kind."""
+    jobs: dict[str, list[tuple[float, float]]] = {}
+    for stage in stages:
+        paths = store.root.glob(f"{stage}/*.run.json")
+        for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:latest]:
+            with suppress(OSError, ValueError, KeyError, TypeError):
+                facts = files.read_json(path)
+                if facts["computed"] and facts["size"]:
+                    spent = float(facts["cpu_s"])
+                    rate = min(facts["wall_s"], spent) / facts["size"]
+                    jobs.setdefault(facts["kind"], []).append((spent, rate))
+    return jobs
+
+
 def remembered(store: Store, stages: Iterable[str]) -> Rates:
     """Processor seconds per size of the latest jobs of some stages.
 
@@ -67,16 +84,8 @@ def remembered(store: Store, stages: Iterable[str]) -> Rates:
     """
     with package_files("slider.artefacts").joinpath(TABLE).open(encoding="utf-8") as file:
         rates = {row["kind"]: [float(row["rate"])] for row in csv.DictReader(file)}
-    computed: dict[str, list[float]] = {}
-    for stage in stages:
-        paths = store.root.glob(f"{stage}/*.run.json")
-        for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:_LATEST]:
-            with suppress(OSError, ValueError, KeyError, TypeError):
-                facts = files.read_json(path)
-                if facts["computed"] and facts["size"]:
-                    seconds = min(facts["wall_s"], facts["cpu_s"])
-                    computed.setdefault(facts["kind"], []).append(seconds / facts["size"])
-    return rates | computed
+    jobs = computed(store, stages, _LATEST)
+    return rates | {kind: [rate for _, rate in latest] for kind, latest in jobs.items()}
 
 
 def expected(job: JobSpec, rates: Rates) -> float:

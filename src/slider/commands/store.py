@@ -6,7 +6,7 @@ import sys
 import time
 
 from slider.artefacts.current import add_store_argument, current_plan
-from slider.artefacts.forecast import remembered
+from slider.artefacts.forecast import computed, remembered
 from slider.artefacts.maintenance import collect, summarise, verify
 from slider.artefacts.remote import Remote
 from slider.artefacts.sharing import pull, push
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     gc = actions.add_parser("gc", help="remove what the latest plans do not reach")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
-    actions.add_parser("times", help="seconds per size of each kind of job")
+    actions.add_parser("times", help="seconds per size, jobs and processor seconds by kind")
     push = actions.add_parser("push", help="send results of the current plan to a remote")
     pull = actions.add_parser("pull", help="take results of the current plan from a remote")
     remote = "a folder, sftp://host/path, s3://bucket/path or https://…"
@@ -55,10 +55,12 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
         return int(bool(removed.damage))
     elif action == "times":  # what new clones predict with: src/slider/artefacts/times.csv
-        print("kind,rate")
+        print("kind,rate,jobs,cpu_s")
         stages = sorted({path.parent.name for path in store.manifests()})
+        jobs = computed(store, stages)
         for kind, rates in remembered(store, stages).items():
-            print(f"{kind},{statistics.median(rates):.4g}")
+            spent = [seconds for seconds, _ in jobs.get(kind, ())]
+            print(f"{kind},{statistics.median(rates):.4g},{len(spent)},{sum(spent):.1f}")
     else:
         removed = collect(store, arguments.keep, arguments.dry_run)
         verb = "would remove" if arguments.dry_run else "removed"

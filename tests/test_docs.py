@@ -9,27 +9,11 @@ from pathlib import Path
 import pytest
 
 from slider.config.convert import to_dict
-from slider.core.files import flatten
 from tests.config.composed import composed
 
 ROOT = Path(__file__).parents[1]
 ROBOT_PAGE = (ROOT / "docs/reference/robot.md").read_text()
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-
-
-def test_the_table_of_the_robot_is_the_configuration():
-    robot = to_dict(composed().robot)
-    provenance = robot.pop("provenance")
-    robot.pop("name")
-    expected = {}
-    for key, value in flatten({"robot": robot}).items():
-        path = key.split(".")
-        tags = [provenance.get(".".join(path[1:end])) for end in range(len(path), 1, -1)]
-        text = str(list(value) if isinstance(value, tuple) else value)
-        expected[key] = (text, next(tag for tag in tags if tag is not None))
-    rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", ROBOT_PAGE, re.M)
-    assert {key: (value, tag) for key, value, tag in rows} == expected
-    assert len(rows) == len(expected)
 
 
 def test_the_mass_is_that_of_the_links():

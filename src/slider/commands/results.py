@@ -182,7 +182,6 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "table1": ("table1.csv", partial(across, _TABLE1, ())),
     "summary": ("table1.csv", summary),
     "times": ("table1.csv", str),
-    "quality": ("gait_quality.csv", partial(across, _WALKING, ("policy",))),
     "learning": ("gait_quality.csv", partial(across, _WALKING, ("policy", "hzd", "mpc_wbc_tuned"))),
     "robust": ("robust.csv", partial(across, _SUMMARY, ())),
     "onboard": ("onboard.csv", partial(across, _SUMMARY, ())),

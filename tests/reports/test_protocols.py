@@ -20,6 +20,8 @@ from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
 from slider.reports import protocols, rows
 from slider.reports.contents import sweep as sweep_section
+from slider.reports.figures.style import style
+from slider.reports.figures.walking import draw_tracking
 from slider.reports.table import Picture, Table
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
@@ -207,6 +209,17 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     text = (out / f"{name}.md").read_text()
     assert "not drawn: 3.0 m/s." in text
     assert "not drawn: MPC + WBC at 0.4 m/s." in text
+
+
+def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):
+    labels = [*LABELS.values(), "policy (ours), onboard state", "MPC + WBC, tuned", "MPC + WBC, x"]
+    walks = make_robots([[1, 1]], [[1.0, 2.0]])
+    evaluations = [Evaluation(name, 0.4, walks, TRACE, label=name) for name in labels]
+    with style():
+        figure = draw_tracking(evaluations, 0.02)
+        figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
 
 
 def test_tracking_needs_an_evaluated_speed(tmp_path):

@@ -164,7 +164,7 @@ def _films(sources: Sources) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Facts of each video; and the film, the picture in its place on paper, how the robot did."""
     for folder in sources.inputs.get("videos", ()):
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        fate = f"walks at {about['mean_velocity']:.2f} m/s"
+        fate = f"walks at {about['mean_velocity']:z.2f} m/s"
         if about["fell_at"] is not None:
             fate = f"falls after {about['fell_at']:.1f} s"
         caption = f"{about['label']}: {fate}"

@@ -53,7 +53,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         title = section["label"] + (", fallen" if fallen else "")
         facts = [
             f"command {section['speed']:.2f} m/s",
-            f"actual {frame.velocity[0]:.2f} m/s",
+            f"actual {frame.velocity[0]:z.2f} m/s",
             f"t = {frame.time:.1f} s",
         ]
         images.append(film.annotate(picture, title, facts, fallen))

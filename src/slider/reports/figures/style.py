@@ -52,6 +52,11 @@ def new_figure(height: float) -> Figure:
     return Figure(figsize=(WIDTH, height), layout="constrained")
 
 
+def legend_above(figure: Figure, *handles_and_names: Any) -> None:
+    """Legend above all panels, at most three names to a line: five would be wider than it."""
+    figure.legend(*handles_and_names, loc="outside upper center", ncols=3)
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write SVG or PNG, by the file's ending, without dates or versions in it."""
     suffix = path.suffix.lstrip(".")

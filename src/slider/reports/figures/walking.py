@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from slider.config.evaluation import EvaluationConfig
 from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
-from slider.reports.figures.style import DARK, new_figure
+from slider.reports.figures.style import DARK, legend_above, new_figure
 from slider.reports.quantities import PAPER, colour, speed_text
 from slider.reports.rows import Row, by
 from slider.training.results import Training
@@ -51,7 +51,7 @@ def draw_overview(rows: Sequence[Row]) -> Figure:
     errors.set(ylabel="velocity MSE [m²/s²]", yscale="log")
     for axes in (success, errors):
         axes.set_xlabel("commanded speed [m/s]")
-    figure.legend(loc="outside upper center", ncols=3)
+    legend_above(figure)
     figure.set_layout_engine("constrained", w_pad=_MARGIN)
     return figure
 
@@ -123,8 +123,7 @@ def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
     for segment in case.segments:
         name = segment.name.replace("_", " ")
         panels[0].text(segment.time, 1.02, f" {name}", fontsize=6.5, **above)
-    handles, names = panels[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=len(names))
+    legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -150,7 +149,7 @@ def draw_cases(rows: Sequence[Row]) -> Figure:
             axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
     axes.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
     axes.set_yticks(range(len(cases)), cases)
-    figure.legend(loc="outside upper center", ncols=4)
+    legend_above(figure)
     return figure
 
 
@@ -189,8 +188,7 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
     for index, label in enumerate(labels):
         panels[0, 0].plot([], [], label=label, **_look(index))
     panels[0, 0].plot([], [], color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
-    handles, names = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=len(names))
+    legend_above(figure, *panels[0, 0].get_legend_handles_labels())
     return figure
 
 

@@ -8,7 +8,8 @@
 # make test                              lint, type check and tests
 # make faults                            kill jobs, fill the disk and damage the store, in every way
 PYTHON ?= python3
-CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
+# Known once the environment is there, as recipes are.
+CORES ?= $(shell $(VENV)/bin/python -I -c 'from slider.core.machine import cores; print(cores())')
 HYDRA ?=
 VENV := .venv
 # A module: the first line of a script cannot name every folder. Isolated from PYTHON* and from files here.
@@ -50,8 +51,11 @@ docs: $(STAMP) # site/; a broken link is an error
 install: $(TOOLS)
 
 $(PLACE):
-	@$(PYTHON) -I -c 'import sys; v = sys.version.split()[0]; sys.version_info >= (3, 11) or sys.exit("expected Python 3.11 or newer, found " + v + ": make PYTHON=/path/to/python")'
+	@$(PYTHON) -I -c 'import sys; v = sys.version.split()[0]; (3, 11) <= sys.version_info < (3, 14) or sys.exit("expected Python 3.11 to 3.13, found " + v + ": make PYTHON=/path/to/python")'
+	@if [ -L $(VENV) ] || [ -e $(VENV) -a ! -e $(PLACE) ]; then echo "expected no $(VENV) or one that make made, found another: move it away, or make VENV=another-name" >&2; exit 1; fi
 	rm -rf $(VENV)
+	mkdir $(VENV)
+	@: > $@ # ours, whenever it is interrupted
 	$(PYTHON) -I -m venv $(VENV)
 	@printf '%s' "$$PLACED" > $@
 

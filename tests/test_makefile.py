@@ -4,15 +4,17 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
+from slider.core.machine import cores
 from tests.workflow.workspace import HOSTILE
 
 ROOT = Path(__file__).parents[1]
 NOTES = """#!/bin/sh
-case "$*" in *"open("*) exec python3 "$@";; esac
+case "$*" in *"open("*|*"cores()"*) exec "{python}" "$@";; esac
 for word in "$@"; do printf '%s\\n' "$word"; done > words.txt
 cat words.txt >> all.txt
 env | grep -E "^PIP_(USER|TARGET|PREFIX)=" > pip.txt
@@ -28,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
     for name in ("Makefile", "pyproject.toml", "constraints.txt"):
         shutil.copy(ROOT / name, clone / name)
     python = clone / ".venv/bin/python"
-    python.write_text(NOTES)
+    python.write_text(NOTES.replace("{python}", sys.executable))
     python.chmod(0o755)
     (clone / ".venv/place").write_text(str(clone), encoding="utf-8")
     return clone
@@ -55,6 +57,11 @@ def test_overrides_arrive_as_they_are_typed(folder, overrides):
     words = make(folder, "table1", "CORES=3", f"HYDRA={typed}")
     assert words[2:] == ["snakemake", "-j3", "reports/table1.csv", "--config", f"hydra={overrides}"]
     assert not list(folder.rglob("pwned"))
+
+
+def test_cores_are_those_of_this_machine_whatever_openmp_may_use(folder, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "16")
+    assert make(folder, "table1")[3] == f"-j{cores()}"
 
 
 def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
@@ -117,13 +124,40 @@ def test_a_broken_environment_is_made_anew(folder, maker, python):
     assert make(folder, "table1", maker)[2] == "snakemake"
 
 
-def test_an_old_python_is_one_line_and_leaves_no_environment(folder):
-    old = folder / "old"
-    check = "import sys; sys.version_info = (3, 10, 2); sys.version = '3.10.2 x'"
+@pytest.mark.parametrize("kind", ["own", "linked"])
+def test_an_environment_of_somebody_else_stays(folder, maker, kind):
+    (folder / ".venv/place").unlink()
+    (folder / ".venv").rename(folder / "elsewhere")
+    if kind == "own":
+        (folder / "elsewhere").rename(folder / ".venv")
+    else:
+        (folder / ".venv").symlink_to("elsewhere")
+    done = call(folder, "table1", maker)
+    assert done.returncode
+    assert "expected no .venv or one that make made, found another: move it away" in done.stderr
+    assert (folder / ".venv/bin/python").exists()
+
+
+def test_an_environment_that_was_begun_is_made_anew(folder, maker):
+    (folder / ".venv/place").write_text("")
+    assert make(folder, "table1", maker)[2] == "snakemake"
+
+
+def test_the_supported_pythons_are_the_same_everywhere():
+    needs = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["requires-python"]
+    assert needs == ">=3.11,<3.14"
+    for name in ("README.md", "docs/tutorial.md"):
+        assert "Python 3.11 to 3.13" in (ROOT / name).read_text()
+
+
+@pytest.mark.parametrize("version", [(3, 10, 2), (3, 14, 0)])
+def test_another_python_is_one_line_and_leaves_no_environment(folder, version):
+    old, found = folder / "old", ".".join(map(str, version))
+    check = f"import sys; sys.version_info = {version}; sys.version = '{found} x'"
     old.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{check}; $(echo "$3" | tail -c +12)"\n')
     old.chmod(0o755)
     shutil.rmtree(folder / ".venv")
     done = call(folder, "table1", "PYTHON=./old")
     assert done.returncode
-    assert "expected Python 3.11 or newer, found 3.10.2" in done.stderr
+    assert f"expected Python 3.11 to 3.13, found {found}" in done.stderr
     assert not (folder / ".venv").exists()

@@ -7,7 +7,8 @@ are alike. A number in the place of the expression stays as it is typed.
 
 import difflib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -47,6 +48,18 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     return config
 
 
+@contextmanager
+def _hydra_of(conf: Path) -> Iterator[None]:
+    """Hydra with the files of a folder; a process has one, and the caller's own comes back."""
+    caller = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+            yield
+    finally:
+        GlobalHydra.instance().hydra = caller
+
+
 def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     """Resolve ``conf/config.yaml``; half a second.
 
@@ -58,8 +71,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     _check_groups(overrides)
     _store_all(conf, "control")
     _store_all(conf, "study")
-    GlobalHydra.instance().clear()
-    with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+    with _hydra_of(conf):
         try:
             options = []
             for text in store_robot(overrides, conf):

@@ -106,6 +106,7 @@ MISFITS = [
     ("gauge.controllers=[mine]", "gauge.controllers: expected one of policy, "),
     ("gauge.policies={hzd: here}", "gauge.policies: expected a name that no controller has"),
     ("gauge.seed=5", "gauge.seed: expected seeds within"),
+    (f"evaluation.seed={2**63 - 1}", "within 20260 to 21259 or 1000 to 1999, found 92233720368"),
     ("tuning.seed=1999", "tuning.seed: expected seeds within"),  # and the finalists'
     ("gauge.scales.payload=[1,2,3,4,5,6,7,8,9,9.0]", "scales.payload: expected rising values, fou"),
     ("gauge.scales.delay=[.01,.02,.03,.04,.05,.06,.07,.08,.09,.099]", "[9]: expected a multiple"),

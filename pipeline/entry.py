@@ -26,7 +26,7 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.core import environment
-from slider.core.errors import UserError, is_read_only, not_written
+from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import journal as tracking
@@ -203,8 +203,7 @@ def open_pipeline(
         overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
         path = Path(str(settings.get(PLAN)))
         return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
-    if sys.flags.optimize > 1:  # meanings of terms are docstrings
-        raise UserError("expected Python with docstrings, found PYTHONOPTIMIZE=2: unset it")
+    require_docstrings()
     try:
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack

@@ -1,6 +1,7 @@
 """The command line: what people are shown, and what the pipeline calls."""
 
 import errno
+import os
 import shlex
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import sys
 import pytest
 
 from slider.cli import COMMANDS, INTERNAL, main
+from tests.config.composed import CONF
 
 
 def test_help_lists_what_people_use(capsys):
@@ -23,6 +25,32 @@ def test_every_command_has_help_of_its_own(name, capsys):
     with pytest.raises(SystemExit, match="0"):
         main([name, "--help"])
     assert f"usage: slider {name}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("command", "variables", "line"),
+    [
+        ("config --keys", {"PYTHONOPTIMIZE": "2"}, "PYTHONOPTIMIZE: expected at most 1, found 2"),
+        ("policy export", {"PYTHONOPTIMIZE": "2"}, "PYTHONOPTIMIZE: expected at most 1, found 2"),
+        ("robot slider", {"MUJOCO_GL": "egll"}, None),
+        ("play zero --film w.webp", {"MUJOCO_GL": "egll"}, "MUJOCO_GL=egll: expected a renderer, "),
+        ("config", {}, "expected slider of this folder, "),
+    ],
+)
+def test_a_strange_environment_is_one_line_or_works(command, variables, line, tmp_path):
+    if not variables:  # the folder is a copy of a checkout
+        (tmp_path / "src" / "slider").mkdir(parents=True)
+        (tmp_path / "src" / "slider" / "cli.py").touch()
+    done = subprocess.run(
+        [sys.executable, "-m", "slider.cli", *command.split(), "--conf", str(CONF)],
+        env=os.environ | variables,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, len(done.stderr.splitlines())) == ((0, 0) if line is None else (1, 1))
+    assert done.stderr.startswith(f"slider: {line}" if line else "")
 
 
 def test_an_unknown_command_names_those_of_people(refused):

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
-from slider.core.errors import UserError, is_read_only, not_written
+from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
@@ -56,8 +56,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     _open_streams()
     name, *arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
+        require_docstrings()
+        if argv is None and name in COMMANDS:
+            _require_own_folder()
         if name not in COMMANDS | INTERNAL:
             return _no_command(name)
+        if "--film" not in arguments:  # else MuJoCo needs no renderer, also not a broken one
+            os.environ.pop("MUJOCO_GL", None)
         place, text = (COMMANDS | INTERNAL)[name]
         place, _, function = place.partition(":")
         module = importlib.import_module(place)
@@ -78,6 +83,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         line = str(unwritten or f"{error.filename}: {error.strerror}")
     print(f"slider: {line}", file=sys.stderr)
     return 1
+
+
+def _require_own_folder() -> None:
+    """Refuse a checkout whose source is another one: a copied environment runs the original's."""
+    here, own = Path("src/slider/cli.py"), Path(__file__)
+    if here.is_file() and not here.samefile(own):
+        found = own.parents[2]
+        raise UserError(f"expected slider of this folder, found that of {found}: run `make table1`")
 
 
 def _open_streams() -> None:

@@ -71,9 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Watch it; with ``--headless`` and ``--film`` status 1 if the robot fell."""
     check(arguments)
-    if arguments.film is not None:
-        os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
-    import mujoco
+    renderer = os.environ.setdefault("MUJOCO_GL", "egl") if arguments.film else None
+    try:
+        import mujoco
+    except (ImportError, RuntimeError, AttributeError) as error:  # it reads MUJOCO_GL then
+        found = f"found {error}: MUJOCO_GL=egl may work"
+        raise UserError(f"MUJOCO_GL={renderer}: expected a renderer, {found}") from None
 
     from slider.play import loop
 

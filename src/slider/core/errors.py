@@ -3,6 +3,7 @@
 import errno
 import os
 import re
+import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,11 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
     """Raise a ``UserError`` unless the value of a key is a member of ``allowed``."""
     options = tuple(allowed)
     require(value in options, key, f"one of {', '.join(map(str, options))}", value)
+
+
+def require_docstrings() -> None:
+    """Refuse a Python without docstrings: they are the meanings of terms and values."""
+    require(sys.flags.optimize < 2, "PYTHONOPTIMIZE", "at most 1", sys.flags.optimize)
 
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -10,7 +10,7 @@ from contextlib import suppress
 from datetime import datetime
 from typing import Any
 
-from slider.artefacts.forecast import Forecast, expected, remembered
+from slider.artefacts.forecast import expected, remembered
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 
@@ -35,48 +35,49 @@ class Progress:
         write: Callable[[str], None] = _print,
     ) -> None:
         needed = set(recipes)
-        jobs = {recipe: job for recipe, job in plan.jobs.items() if recipe in needed}
-        rates = remembered(store, sorted({job.stage for job in jobs.values()}))
-        seconds = {recipe: expected(job, rates) for recipe, job in jobs.items()}
-        self.forecast = Forecast(jobs, seconds, cores)
-        self._plan, self._store, self._write = plan, store, write
+        self._jobs = {recipe: job for recipe, job in plan.jobs.items() if recipe in needed}
+        rates = remembered(store, sorted({job.stage for job in self._jobs.values()}))
+        self._seconds = {recipe: expected(job, rates) for recipe, job in self._jobs.items()}
+        self._running: dict[str, float] = {}  # recipe → when it began [s]
+        self._ended: dict[str, float] = {}
+        self._plan, self._store, self._cores, self._write = plan, store, cores, write
         self._start = self._written = time.time()
         self._lock, self._closed = threading.Lock(), threading.Event()
 
     def open(self) -> None:
         """Write how much there is to do, and watch long jobs from now on."""
-        left = duration(self.forecast.left(time.time()))
-        self._write(f"{len(self.forecast.jobs)} jobs, about {left} on {self.forecast.cores} cores")
+        self._write(f"{len(self._jobs)} jobs, about {duration(self.left())} on {self._cores} cores")
         threading.Thread(target=self._watch, daemon=True).start()
 
     def close(self, succeeded: bool = False) -> None:
         """Stop writing; after a success show Table 1, if it was computed, and where it is."""
         self._closed.set()
-        job = self.forecast.jobs.get(self._plan.targets.get(_TABLE1, ""))
-        if succeeded and job is not None:
+        job = self._jobs.get(self._plan.targets.get(_TABLE1, ""))
+        if succeeded and job is not None and job.recipe in self._ended:
             items = [(item.stage, item.recipe) for item in job.inputs["evaluations"]]
             summaries = [self._store.read_manifest(*item).result.summary for item in items]
             self._write(table(job.section["labels"], summaries))
-            took = duration(time.time() - self._start)
+            took = duration(self._ended[job.recipe] - self._start)
             text = f"Table 1 took {took}: reports/table1.md has intervals and the paper's rows"
             self._write(text)
 
     def began(self, recipe: str) -> None:
         """A job started."""
         with self._lock:
-            self.forecast.began[recipe] = time.time()
+            self._running[recipe] = time.time()
 
     def ended(self, recipe: str) -> None:
         """A job succeeded."""
         job = self._plan.jobs[recipe]
         with self._lock:
             took = self._took(job)
-            self.forecast.end(recipe, time.time(), reused=took is None)
+            self._ended[recipe] = time.time()
+            self._running.pop(recipe, None)
             self._line(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
 
     def _took(self, job: JobSpec) -> float | None:
         """Seconds of a computation of this run [s]; none where an earlier result was reused."""
-        began = self.forecast.running.get(job.recipe, self._start)
+        began = self._running.get(job.recipe, self._start)
         facts = self._store.facts(job.stage, job.recipe)
         with suppress(ValueError, KeyError, TypeError):
             if facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > began:
@@ -86,23 +87,39 @@ class Progress:
     def _line(self, text: str) -> None:
         """Write the jobs done, the share of the work, the time left, and a text."""
         now = self._written = time.time()
-        forecast = self.forecast
-        forecast.shares = {r: share(self._message(r)) for r in forecast.running}
-        done, total = len(forecast.ended), len(forecast.jobs)
-        left = f"  about {duration(forecast.left(now))} left" if done < total else ""
+        done, total = len(self._ended), len(self._jobs)
+        before = sum(self._seconds[recipe] for recipe in self._ended)
+        before += sum(now - began for began in self._running.values())
+        after = sum(self._rests())
+        left = f"  about {duration(self.left())} left" if done < total else ""
         count = f"{done:>{len(str(total))}}/{total}"
-        self._write(f"[{count}  {100 * forecast.share(now):3.0f} %{left}] {text}")
+        self._write(f"[{count}  {100 * before / (before + after):3.0f} %{left}] {text}")
+
+    def left(self) -> float:
+        """Wall time until the last job ends [s], if all cores are busy until then."""
+        rests = self._rests()
+        return max(sum(rests) / self._cores, *rests, 0.0)
+
+    def _rests(self) -> list[float]:
+        """Wall time [s] that each job still takes, from its share done where it tells that."""
+        now, rests = time.time(), []
+        for recipe in self._jobs.keys() - self._ended.keys():
+            elapsed = now - self._running.get(recipe, now)
+            done = share(self._message(recipe)) if elapsed else 0.0
+            expected = max(self._seconds[recipe] - elapsed, 0.0)
+            rests.append(elapsed * (1.0 - done) / done if done else expected)
+        return rests
 
     def _watch(self) -> None:
         while not self._closed.wait(1.0):
             with self._lock:
-                if self.forecast.running and time.time() - self._written > _SILENCE:
+                if self._running and time.time() - self._written > _SILENCE:
                     self.show_running()
 
     def show_running(self) -> None:
         """Write the longest of the running jobs, and how many others there are."""
-        running = self.forecast.running
-        recipe = max(running, key=lambda recipe: self.forecast.seconds[recipe])
+        running = self._running
+        recipe = max(running, key=lambda recipe: self._seconds[recipe])
         message = self._message(recipe) or f"{time.time() - running[recipe]:.0f} s so far"
         others = f"; {len(running) - 1} more" if len(running) > 1 else ""
         self._line(f"{self._plan.jobs[recipe].label}: {message}{others}")

@@ -1,55 +1,13 @@
-"""Expected times, and schedules that are known by hand."""
+"""Expected times of jobs, from those of earlier ones."""
 
 import pytest
 
-from slider.artefacts.forecast import START, Forecast, expected, kind, remembered, size
+from slider.artefacts.forecast import START, expected, kind, remembered, size
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
-
-
-def job(name: str, *inputs: JobSpec) -> JobSpec:
-    return JobSpec("any", name, Code("a:run", "", {}), {"name": name}, {"all": list(inputs)})
-
-
-def chain_and_fillers(cores: int) -> tuple[Forecast, list[str]]:
-    """A chain of 10, 20 and 30 s beside four jobs of 15 s, and their recipes."""
-    first, there_already = job("a"), job("there already")
-    second = job("b", first)
-    jobs = [first, second, job("c", second, there_already), *(job(f"f{k}") for k in range(4))]
-    recipes = [one.recipe for one in jobs]
-    times = dict(zip(recipes, [10.0, 20.0, 30.0, *4 * [15.0]], strict=True))
-    return Forecast(dict(zip(recipes, jobs, strict=True)), times, cores), recipes
-
-
-@pytest.mark.parametrize(("cores", "left"), [(1, 120.0), (2, 60.0), (3, 60.0)])
-def test_the_time_left_is_that_of_the_schedule(cores, left):
-    assert chain_and_fillers(cores)[0].left(0.0) == pytest.approx(left)
-
-
-def test_a_running_job_counts_by_its_time_and_by_its_own_share():
-    forecast, (first, *_) = chain_and_fillers(1)
-    forecast.began[first] = 100.0
-    assert forecast.left(104.0) == pytest.approx(116.0)
-    assert forecast.share(104.0) == pytest.approx(4.0 / 120.0)
-    forecast.shares = {first: 0.2}  # 4 s were a fifth of it
-    assert forecast.left(104.0) == pytest.approx(16.0 + 110.0)
-
-
-def test_a_slower_machine_is_noticed_and_reused_results_are_not():
-    forecast, recipes = chain_and_fillers(1)
-    forecast.began[recipes[3]] = 0.0
-    forecast.end(recipes[3], 0.5, reused=True)
-    assert forecast.left(0.5) == pytest.approx(105.0)
-    forecast.began[recipes[4]] = 1.0
-    forecast.end(recipes[4], 31.0)
-    pace = (30.0 + 20.0) / (15.0 + 20.0)
-    assert forecast.left(31.0) == pytest.approx(90.0 * pace)
-    for recipe in (*recipes[:3], *recipes[5:]):
-        forecast.end(recipe, 40.0)
-    assert (forecast.left(40.0), forecast.share(40.0)) == (0.0, 1.0)
 
 
 def evaluation(robots: int, controller: str = "hzd") -> JobSpec:

@@ -49,7 +49,7 @@ def finish(
 
 
 def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
-    shown, jobs, lines, _ = run
+    shown, jobs, lines, now = run
     finish(run, tmp_path, jobs[0], 30.0)
     assert lines[0].startswith("[1/4  ")
     assert "min left] evaluation of policy at 0.2: 30.0 s" in lines[0]
@@ -57,10 +57,11 @@ def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
     assert lines[1].startswith("[2/4  ")
     assert lines[1].endswith("evaluation of policy at 0.4: reused")
     finish(run, tmp_path, jobs[2], 60.0)
-    (table1,) = (r for r, job in shown.forecast.jobs.items() if job.stage == "table1")
+    table1 = shown._plan.targets["table1"]
     shown.began(table1)
     shown.ended(table1)
     assert lines[-1].startswith("[4/4  100 %] table 1")
+    now[0] += 1200.0  # of other jobs, such as those of the page
     shown.close(True)
     assert "HZD" in lines[-2]
     assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
@@ -83,10 +84,28 @@ def test_a_long_job_is_shown_with_its_own_words(run, tmp_path):
     now[0] += 10.0
     shown.show_running()
     assert lines[0].endswith("evaluation of policy at 0.2: 25 %; 1 more")
-    assert shown.forecast.shares[jobs[0].recipe] == 0.25
     path.unlink()
     shown.show_running()
     assert lines[1].endswith("evaluation of policy at 0.2: 10 s so far; 1 more")
+
+
+def test_the_time_left_is_the_sum_over_the_cores_or_the_longest_job(run, tmp_path):
+    shown, jobs, _, now = run
+    times = dict(zip(shown._plan.jobs, (10.0, 20.0, 30.0, 60.0), strict=True))
+    shown._seconds |= times  # of three evaluations and the table
+    assert shown.left() == 60.0
+    times[shown._plan.targets["table1"]] = 1.0
+    shown._seconds |= times
+    assert shown.left() == pytest.approx(61.0 / 2)
+    shown.began(jobs[2].recipe)
+    now[0] += 4.0
+    assert shown.left() == pytest.approx(57.0 / 2)
+    path = Store(tmp_path).progress_path(jobs[2].stage, jobs[2].recipe)
+    path.parent.mkdir(parents=True)
+    path.write_text("20 %")  # 4 s were a fifth of it
+    assert shown.left() == pytest.approx((31.0 + 16.0) / 2)
+    shown.ended(jobs[2].recipe)
+    assert shown.left() == 20.0
 
 
 @pytest.mark.parametrize(

@@ -1,19 +1,14 @@
-"""How much of a run is done, and how long the rest takes.
+"""How long a job takes: as earlier ones of its kind, in proportion to its size.
 
-A job takes as long as earlier ones of its kind, in proportion to its size, or as in a table that
-ships. What is left is a schedule: jobs whose inputs are there start in their order, as many as
-there are cores.
+A kind that this store has not computed yet has the rate of a table that ships.
 """
 
 import csv
-import heapq
 import math
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from importlib.resources import files as package_files
-from itertools import islice
 from typing import Any
 
 from slider.artefacts.plan import JobSpec
@@ -25,7 +20,6 @@ START = 0.7
 TABLE = "times.csv"
 _UNKNOWN = 5.0  # seconds of a job of an unknown kind
 _LATEST = 64  # remembered jobs of a stage
-_TRUST = 20.0  # seconds of finished jobs that weigh as much as the expectation
 _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _GAUGE = tuple(f"protocol.{name}" for name in ("trials", "speeds", "robots", "duration"))
@@ -92,70 +86,3 @@ def expected(job: JobSpec, rates: Rates) -> float:
     """Expected wall time of a job [s], start of its process included."""
     earlier = rates.get(kind(job))
     return START + (statistics.median(earlier) * size(job) if earlier else _UNKNOWN)
-
-
-@dataclass
-class Forecast:
-    """The jobs of a run by recipe, and when they began and ended [s].
-
-    Jobs are in an order with inputs first; what they need besides is there already. ``seconds`` are
-    their expected wall times on a core each, ``shares`` the parts of running jobs that are done,
-    0 to 1, where these tell.
-    """
-
-    jobs: Mapping[str, JobSpec]
-    seconds: Mapping[str, float]
-    cores: int
-    shares: dict[str, float] = field(default_factory=dict)
-    began: dict[str, float] = field(default_factory=dict)
-    ended: dict[str, float] = field(default_factory=dict)
-    _computed: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def running(self) -> dict[str, float]:
-        """Recipes of the jobs that run and when they began [s]."""
-        return {r: began for r, began in self.began.items() if r not in self.ended}
-
-    def end(self, recipe: str, now: float, reused: bool = False) -> None:
-        """A job ended; the time of one that reused a result tells nothing about others."""
-        self.ended[recipe] = now
-        if recipe in self.began and not reused:
-            self._computed[recipe] = now - self.began[recipe]
-
-    def share(self, now: float) -> float:
-        """Done part of the work of the run, 0 to 1."""
-        before = sum(self.seconds[recipe] for recipe in self.ended)
-        before += sum(now - began for began in self.running.values())
-        after = sum(self._rest(recipe, now) for recipe in self.jobs if recipe not in self.ended)
-        return before / (before + after) if before + after else 1.0
-
-    def left(self, now: float) -> float:
-        """Wall time until the last job ends [s], if jobs start as soon as they can."""
-        left = self.jobs.keys() - self.ended.keys()
-        running = [(self._rest(recipe, now), recipe) for recipe in self.running]
-        heapq.heapify(running)
-        waiting = {
-            recipe: {item.recipe for item in job.needs} & left
-            for recipe, job in self.jobs.items()
-            if recipe in left - self.began.keys()
-        }
-        at = 0.0
-        while waiting or running:
-            ready = (recipe for recipe, inputs in waiting.items() if not inputs)
-            for recipe in [*islice(ready, max(0, self.cores - len(running)))]:
-                del waiting[recipe]
-                heapq.heappush(running, (at + self._rest(recipe, now), recipe))
-            at, ended = heapq.heappop(running)
-            for inputs in waiting.values():
-                inputs.discard(ended)
-        return at
-
-    def _rest(self, recipe: str, now: float) -> float:
-        """Wall time [s] that a job still takes, from its share done where it tells that."""
-        elapsed = now - self.began.get(recipe, now)
-        share = self.shares.get(recipe, 0.0)
-        if share:
-            return elapsed * (1.0 - share) / share
-        took = sum(self._computed.values()) + _TRUST
-        pace = took / (sum(self.seconds[r] for r in self._computed) + _TRUST)
-        return max(self.seconds[recipe] * pace - elapsed, 0.2 * elapsed)

@@ -130,7 +130,7 @@ def test_a_mistake_is_one_line_and_status_1(workspace):
     failed = workspace.command(command, PYTHONOPTIMIZE="2")
     assert failed.returncode == 1
     (line,) = [line for line in failed.stderr.splitlines() if not line.startswith("Using workflow")]
-    assert "found PYTHONOPTIMIZE=2" in line
+    assert "PYTHONOPTIMIZE: expected at most 1, found 2" in line
 
 
 def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(tmp_path):

@@ -188,5 +188,6 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "gauge": ("gauge.md", partial(markdown_tables, count=1)),
     "sweep": ("sweep.md", partial(markdown_tables, count=1)),
     "stability": ("stability.md", partial(markdown_tables, count=1)),
+    "verification": ("verification.md", partial(markdown_tables, count=1)),
 }
 """Name of the block → report, and the Markdown made from it."""

@@ -7,9 +7,8 @@ import pytest
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
 from slider.robot.names import NUM_JOINTS
+from slider.robot.transmission import Transmission
 from tests.env.synthetic import (
-    SPEED_LIMITS,
-    TORQUE_LIMITS,
     config,
     disturbed_physics,
     make_physics,
@@ -55,20 +54,56 @@ def test_loads_are_those_of_every_simulation_step():
     for targets in random_targets(rng, 5, 3):
         single.reset(np.arange(3), held.qpos, held.qvel)
         held.step(targets)
-        torques, speeds = [], []
+        parts = []
         for _ in range(4):
             single.step(targets)
-            state = single.read()
-            torques.append(np.abs(state.motor_torques))
-            speeds.append(np.abs(motor_angles(state.joint_velocities)))
-        found = held.loads()
-        power = np.sum(np.array(torques) * speeds, axis=2).mean(axis=0)
-        shares = np.array(torques) / TORQUE_LIMITS, np.array(speeds) / SPEED_LIMITS
+            parts.append(single.loads())
+        found, power = held.loads(), np.mean([part.power for part in parts], axis=0)
+        efforts = np.array([part.effort_share for part in parts])
+        speeds = np.array([part.speed_share for part in parts])
         np.testing.assert_allclose(found.power, power, rtol=1e-3)
-        np.testing.assert_allclose(found.effort_share, shares[0].max(axis=(0, 2)), rtol=1e-3)
-        np.testing.assert_allclose(found.speed_share, shares[1].max(axis=(0, 2)), rtol=1e-3)
-        last.append(shares[0][-1].max() / shares[0].max())
+        np.testing.assert_allclose(found.effort_share, efforts.max(axis=0), rtol=1e-3)
+        np.testing.assert_allclose(found.speed_share, speeds.max(axis=0), rtol=1e-3)
+        last.append(efforts[-1].max() / efforts.max())
     assert min(last) < 0.8, "the peak is not in the last step"
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_work_of_the_motors_is_that_of_the_equations_of_motion(actuation):
+    """Efforts of motors that differ, by M Δv / h and all other forces, times their displacement."""
+    count, rng = 60, np.random.default_rng(5)
+    physics = disturbed_physics(
+        count, "motor_gain={lower: 0.6, upper: 1.4}", actuation=actuation, substeps=1
+    )
+    qpos, qvel = random_pose(rng, count)
+    physics.reset(np.arange(count), qpos, 4.0 * qvel)
+    before = physics.state.copy()
+    size = 0.2 if actuation == "position" else 60.0
+    inputs = size * rng.standard_normal((count, 12)) * 10.0 ** rng.uniform(-2, 1, (count, 1))
+    inputs += qpos[:, 7:] if actuation == "position" else 0.0
+    physics.step(inputs)
+    found, limits, slowed = physics.loads(), Transmission.of(robot_config()), 0
+    control = limits.angles(inputs)
+    if actuation == "torque":
+        gains = [model.actuator_forcerange[:, 1] / limits.torque for model in physics.models]
+        control = limits.torques(inputs) * gains
+    for robot, model in enumerate(physics.models):
+        data, inertia = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+        data.qpos[:], data.qvel[:] = before[robot, 1:20], before[robot, 20:]
+        data.ctrl[:] = control[robot]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_fullM(model, data, inertia)
+        change = physics.qvel[robot] - data.qvel
+        force = inertia @ change / model.opt.timestep + model.dof_damping * change
+        force -= data.qfrc_passive - data.qfrc_bias + data.qfrc_constraint
+        motors = limits.torques(force[6:])
+        turned = limits.angles(physics.qvel[robot, 6:])
+        power, share = np.abs(motors) @ np.abs(turned), np.abs(motors / limits.torque).max()
+        np.testing.assert_allclose(found.power[robot], power, rtol=1e-6)
+        np.testing.assert_allclose(found.effort_share[robot], share, rtol=1e-6)
+        demanded = physics.read().motor_torques[robot]
+        slowed += np.count_nonzero(np.abs(demanded - motors) > 1e-3 * limits.torque)
+    assert slowed > count // 2, "demanded torques acted: the test would prove little"
 
 
 def test_threads_do_not_change_the_result():

@@ -24,7 +24,7 @@ from slider.env.starts import NUMPY, SLIDES, turned
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
-from slider.robot.names import NUM_JOINTS
+from slider.robot.names import NUM_JOINTS, NUM_MOTORS
 from slider.robot.transmission import Transmission
 
 # Uses of random numbers.
@@ -132,6 +132,13 @@ class Disturber:
         self._to_motors = asarray(Transmission.of(robot).matrix.T, like)
         self.restart()
 
+    @property
+    def motor_gain(self) -> Array:
+        """Factors (N or 1, 1, 10) of the motors' torques [-]."""
+        if self._robots is None:
+            return zeros((1, 1, NUM_MOTORS), self._like) + 1.0
+        return self._robots.motor_gain[:, None]
+
     def restart(self) -> None:
         """Restart the sequence of draws."""
         self._steps, self._episodes = 0, 0
@@ -181,7 +188,7 @@ class Disturber:
         if self._delay is not None:
             control = self._delay.pass_on(control)
         if self._robots is not None and self._torque:
-            control = control * self._robots.motor_gain[:, None]
+            control = control * self.motor_gain
         return control
 
     def measure(self, state: RobotState) -> RobotState:

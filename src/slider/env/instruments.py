@@ -106,7 +106,8 @@ class DriveLoads(NamedTuple):
     Attributes:
         power: (N,) mechanical power, absolute values of the motors added, mean over the steps [W].
         effort_share: (N,) largest torque of a motor as a share of its limit [-].
-        speed_share: (N,) largest speed of a motor as a share of its no-load speed [-].
+        speed_share: (N,) largest speed of a motor as a share of its no-load speed [-]; beyond 1,
+            where the leg drives the motor, it can only brake.
     """
 
     power: np.ndarray
@@ -114,8 +115,33 @@ class DriveLoads(NamedTuple):
     speed_share: np.ndarray
 
 
+def acting_torques(
+    motors: Transmission, damping: np.ndarray, demanded: np.ndarray, speeds: np.ndarray
+) -> np.ndarray:
+    """Motor torques (N, T, 10) [N m] that act during T simulation steps.
+
+    MuJoCo's sensors have the torque at the start of a step. Its implicit integrator lets that
+    torque fall by its slope with the speed over the step: the position loop's damping, the
+    torque-speed line where the voltage is at its limit, nothing where the torque is.
+
+    Args:
+        motors: of the robots; torques are (N, 1, 10) where robots differ.
+        damping: of the position loops [N m s/rad], like the torques; zero without such loops.
+        demanded: torques at the start of each step (N, T, 10) [N m].
+        speeds: of the motors at the start and after each step (N, T + 1, 10) [rad/s].
+    """
+    before, change = speeds[:, :-1], np.diff(speeds, axis=1)
+    by_voltage = np.abs(demanded / motors.stall + before / motors.speed) > 1.0 - 1e-9
+    slope = np.where(by_voltage, motors.stall / motors.speed, damping)
+    slope[np.abs(demanded) > (1.0 - 1e-9) * motors.torque] = 0.0
+    return demanded - slope * change
+
+
 def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> DriveLoads:
-    """Loads of motor torques [N m] and motor speeds [rad/s], both (N, steps, 10)."""
+    """Loads by motor torques that act (N, T, 10) [N m] and speeds after the steps [rad/s].
+
+    A motor turns in a step by its speed after it: MuJoCo integrates positions so.
+    """
     torque, speed = np.abs(torques), np.abs(speeds)
     return DriveLoads(
         power=(torque * speed).sum(axis=2).mean(axis=1),

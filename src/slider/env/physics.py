@@ -19,7 +19,7 @@ from slider.core.arrays import Array
 from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, uneven
 from slider.env.height_field import FLAT, Ground
 from slider.env.height_field import TILES as TABLE
-from slider.env.instruments import Contacts, DriveLoads, loads, observe
+from slider.env.instruments import Contacts, DriveLoads, acting_torques, loads, observe
 from slider.env.onboard import OnboardState
 from slider.env.randomization import Fields, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
@@ -102,6 +102,7 @@ class BatchedPhysics:
         self._rest = np.concatenate([[0.0], self.nominal, np.zeros(self.model.nv)])
         self.state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
+        self._before = self.state
         self._series = self.state[:, None], self._sensors[:, None]
         self._onboard: OnboardState | None = None
         if onboard is not None:
@@ -111,7 +112,7 @@ class BatchedPhysics:
         self._index = SensorIndex(self.model, instruments)
         self._motors = Transmission.of(robot)
         damping = np.array([gains.kd for gains in by_motor(robot, robot.gains) * len(names.SIDES)])
-        self._damping = damping if actuation == "position" else None
+        self._damping = damping if actuation == "position" else 0.0 * damping
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 
     @property
@@ -172,28 +173,16 @@ class BatchedPhysics:
         if self._diverged.any():
             states[self._diverged] = self._rest
             sensors[self._diverged] = 0.0
-        if self._onboard is not None:
-            torques = self._mean_torques(states[:, -1], sensors)
-            self._onboard.advance(self.period, self._substeps, torques)
+        self._before = self.state
         self.state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
         self._series = states, sensors
+        if self._onboard is not None:
+            torques = self._drive()[0].mean(axis=1)
+            self._onboard.advance(self.period, self._substeps, torques)
         if self.terrain is not None:
             state = self.read()
             feet, speeds = state.foot_positions[..., :2], state.foot_velocities[..., :2]
             self.terrain.follow(state.base_position[:, :2], feet, speeds)
-
-    def _mean_torques(self, after: np.ndarray, sensors: np.ndarray) -> np.ndarray:
-        """Torques (N, 10) [N m] that acted on average; ``after`` (N, 38) is the state at the end.
-
-        MuJoCo integrates the position loop's damping implicitly and its sensors say what was
-        demanded at the start of a simulation step.
-        """
-        torques = sensors.take(self._index.torques, 2).mean(axis=1)
-        if self._damping is None:
-            return torques
-        joints = slice(-names.NUM_JOINTS, None)
-        change = self._motors.angles(after[:, joints] - self.state[:, joints])
-        return torques - self._damping * change / self._substeps
 
     def check(self) -> None:
         """Do nothing: :meth:`step` detects every error at once."""
@@ -224,9 +213,22 @@ class BatchedPhysics:
 
     def loads(self) -> DriveLoads:
         """Loads of the motors in the last :meth:`step`, at each of its simulation steps."""
+        return loads(self._motors, *self._drive())
+
+    def _drive(self) -> tuple[np.ndarray, np.ndarray]:
+        """Motor torques [N m] that acted in the last :meth:`step`, and speeds after [rad/s].
+
+        Both (N, S, 10), for its S simulation steps.
+        """
         states, sensors = self._series
+        states = np.concatenate([self._before[:, None], states], axis=1)
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
-        return loads(self._motors, sensors.take(self._index.torques, 2), speeds)
+        gain = 1.0 if self._disturber is None else self._disturber.motor_gain
+        motors = replace(
+            self._motors, torque=gain * self._motors.torque, stall=gain * self._motors.stall
+        )
+        demanded = sensors.take(self._index.torques, 2)
+        return acting_torques(motors, gain * self._damping, demanded, speeds), speeds[:, 1:]
 
     def contacts(self) -> Contacts:
         """Feet and legs in the last :meth:`step`, at each of its simulation steps."""

@@ -300,6 +300,7 @@ def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
         forces=forces,
         loaded=np.broadcast_to((forces > CONTACT_FORCE)[..., None], ends),
         speeds=np.zeros(ends),
+        depths=np.zeros(forces.shape),
         leg_distance=np.full(forces.shape[:2], 0.1),
     )
     return contacts._replace(**changes)

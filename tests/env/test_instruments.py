@@ -56,6 +56,18 @@ def test_they_move_as_the_foots_material_does_there():
         np.testing.assert_allclose(found, jacobian @ qvel[robot], atol=1e-9)
 
 
+def test_a_foot_is_as_deep_as_its_lower_end():
+    """Stood 3 mm deep, with the left toe 0.01 rad below the heel."""
+    geometry, qpos = robot_config().geometry, nominal_qpos(robot_config())[None]
+    qpos[:, 2] -= 0.003
+    qpos[0, 7 + JOINTS.index("left_ankle")] = 0.01
+    found = placed(qpos, np.zeros((1, 18))).contacts().depths[0, 0]
+    tilted = geometry.toe * np.sin(0.01) + (geometry.ankle_height - geometry.foot_radius) * (
+        np.cos(0.01) - 1.0
+    )
+    np.testing.assert_allclose(found, [0.003 + tilted, 0.003], atol=1e-7)
+
+
 def test_distance_of_legs_by_closed_forms():
     """Hip and tube in the nominal pose; soles where the legs lean inwards; and far apart."""
     geometry, angle = robot_config().geometry, 0.1

@@ -147,6 +147,18 @@ def test_the_speed_at_which_a_foot_lands_is_no_slip():
     assert quality(contacts=contacts).slip[0] > 0.0
 
 
+def test_penetration_is_the_depth_of_feet_that_carry_weight():
+    """Left: 2 mm for half of the time, 6 mm for the rest of its stance; right: in the air."""
+    forces = contact(pattern((0, 50)), np.zeros(STEPS))
+    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    contacts.depths[:] = 0.05  # without force it does not count
+    contacts.depths[: 25 * TICKS, :, 0], contacts.depths[25 * TICKS : 50 * TICKS, :, 0] = 2e-3, 6e-3
+    contacts.depths[0, :, 0] = -1e-3  # above the ground counts as none
+    found = quality(contacts=contacts)
+    assert found.penetration[0] == pytest.approx(4e-3, rel=0.01)
+    assert found.penetration_max[0] == pytest.approx(6e-3)
+
+
 def test_legs_that_come_close_touch_and_cross():
     """Robot 0 walks wide; 1 touches in one simulation step; 2 crosses for a quarter of the time."""
     distance = np.full((STEPS * TICKS, 3), 0.08)

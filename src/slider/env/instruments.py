@@ -25,6 +25,7 @@ class Contacts(NamedTuple):
         loaded: (T, N, 2, 2) the foot carries more than ``CONTACT_FORCE`` and this end touches: it
             is the lower one (uneven ground may carry a foot between its ends), or it has sunk in.
         speeds: (T, N, 2, 2) horizontal speed of the lowest point of each end [m/s].
+        depths: (T, N, 2) of each foot's lower end in the ground [m]; negative: above it.
         leg_distance: (T, N) of the closest parts of the two legs [m]; negative: they press on
             each other.
     """
@@ -32,6 +33,7 @@ class Contacts(NamedTuple):
     forces: np.ndarray
     loaded: np.ndarray
     speeds: np.ndarray
+    depths: np.ndarray
     leg_distance: np.ndarray
 
 
@@ -51,7 +53,7 @@ def observe(
         distances: of pairs of parts of the two legs (N, T, pairs) [m].
         ground: below the robots.
     """
-    # MuJoCo's contacts begin at a height of 0; a foot that carries 60 N sinks in by about 1 mm.
+    # MuJoCo's contacts begin at a height of 0, and a foot that carries weight sinks in.
     height = ends[..., 2] - ground.height(ends[..., :2])
     lower = np.minimum(height[..., 0], height[..., 1])[..., None]
     touching = (height <= 0.0) | (height == lower)
@@ -60,6 +62,7 @@ def observe(
         forces.astype(np.float32),
         (forces > CONTACT_FORCE)[..., None] & touching,
         np.sqrt(forward * forward + left * left).astype(np.float32),
+        -lower[..., 0].astype(np.float32),
         distances.min(axis=-1).astype(np.float32),
     )
     return Contacts(*(np.swapaxes(values, 0, 1) for values in series))

@@ -92,6 +92,9 @@ class GaitQuality:
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
             counts as 0 while the foot is loaded.
         slip: mean horizontal speed of heels and toes while loaded, at the points that touch [m/s].
+        penetration: mean depth of a foot's lower end in the ground while the foot carries more than
+            ``CONTACT_FORCE`` [m].
+        penetration_max: the greatest such depth [m].
         heading: largest |yaw − commanded yaw| [rad] of the whole rollout; what is commanded is the
             yaw at the start and the integral of the commanded yaw rate.
         asymmetry: |mean time from a left to the next right touchdown − from right to left| over
@@ -114,6 +117,8 @@ class GaitQuality:
     alternation: np.ndarray
     clearance: np.ndarray
     slip: np.ndarray
+    penetration: np.ndarray
+    penetration_max: np.ndarray
     heading: np.ndarray
     asymmetry: np.ndarray
     velocity_variance: np.ndarray
@@ -134,6 +139,8 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     bounces = landings(forces > CONTACT_FORCE)[tick:]
     settled = Contacts(*(series[tick:] for series in recording.contacts))
     loaded = recording.foot_forces[first:] > CONTACT_FORCE
+    carrying = settled.forces > CONTACT_FORCE
+    sunk = np.where(carrying, settled.depths, 0.0).clip(min=0.0)
     heights = np.where(loaded, 0.0, recording.foot_positions[first:][..., 2])
     distance = recording.contacts.leg_distance
     left, right = np.moveaxis(recording.foot_positions, 2, 0)
@@ -146,6 +153,8 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
         "alternation": _alternation(touchdown, TOGETHER / recording.timestep),
         "clearance": np.percentile(heights, 90, axis=0).mean(axis=1),
         "slip": _slip(settled),
+        "penetration": (sunk.sum(axis=(0, 2)) / np.maximum(carrying.sum(axis=(0, 2)), 1)),
+        "penetration_max": sunk.max(axis=(0, 2)),
         "heading": np.abs(heading_error(recording)).max(axis=0),
         "asymmetry": _asymmetry(touchdown),
         "velocity_variance": recording.velocity[first:, :, 0].var(axis=0),

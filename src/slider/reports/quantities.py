@@ -72,6 +72,8 @@ QUANTITIES = {
     "alternation": _share("Touchdowns that follow one of the other foot"),
     "clearance": Quantity("Foot clearance", "cm", 100.0),
     "slip": Quantity("Slip of loaded heels and toes", "cm/s", 100.0),
+    "penetration": Quantity("Depth of loaded feet in the ground", "mm", 1000.0),
+    "penetration_max": Quantity("Greatest depth of a loaded foot, worst robot", "mm", 1000.0),
     "heading": Quantity("Largest heading error, mean of the robots", "rad"),
     "heading_worst": Quantity("Largest heading error, worst robot", "rad"),
     "asymmetry": _share("Asymmetry of step times"),

@@ -66,8 +66,8 @@ def named(evaluation: Evaluation) -> Row:
 def quality_row(evaluation: Evaluation, reference: Reference | None = None) -> Row:
     """How the robots that survive walk; NaN where none survived.
 
-    Means over robots, but for extremes, which are those of all robots: ``peak_effort``,
-    ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean of the robots'
+    Means over robots, but for extremes, which are those of all robots: ``penetration_max``,
+    ``peak_effort``, ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean of the robots'
     largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
     the shares of robots whose legs ever touch or cross. Given a ``reference``, the gait's own
     numbers are beside the controller's, as ``reference_NAME``; NaN without one.
@@ -91,6 +91,7 @@ def _ever(shares: np.ndarray) -> float:
 # Quantity of a robot → columns, and how its values over robots become their number.
 _COLUMNS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
     "heading": {"heading": np.mean, "heading_worst": np.max},
+    "penetration_max": {"penetration_max": np.max},
     "peak_effort": {"peak_effort": np.max},
     "peak_speed": {"peak_speed": np.max},
     "leg_distance": {"leg_distance": np.min},

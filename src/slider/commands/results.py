@@ -32,9 +32,9 @@ _TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
 _SUMMARY = ("success_rate", "tracking_rate", "mse_steady")
 _README = ("success_rate", "mse_steady")
 _COMPARED = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")  # in README.md
-_STEPS = ("alternation", "touchdown_rate", "contact_rate", "asymmetry", "flight", "slip")
-_LEGS = ("clearance", "leg_distance", "robots_touch", "robots_cross", "heading", "heading_worst")
-_VARIANCES = ("velocity_variance", "reference_velocity_variance", "reference_touchdown_rate")
+_STEPS = ("alternation", "touchdown_rate", "flight", "slip", "clearance")
+_LEGS = ("leg_distance", "robots_touch", "robots_cross", "heading_worst")
+_VARIANCES = ("velocity_variance", "reference_velocity_variance")
 _WALKING = (*_STEPS, *_LEGS, *_VARIANCES, "peak_effort", "peak_speed", "cost_of_transport")
 
 

@@ -23,18 +23,17 @@ def section(trials: int = 3, seed: int = 1) -> dict:
     return whole | search | {"speed": None, "speeds": [0.2, 0.4], "space": SPACE}
 
 
-def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:
+def search(folder, name: str, trials: int = 3, seed: int = 1) -> pd.DataFrame:
     for made in (name, "work"):
         (folder / made).mkdir(parents=True, exist_ok=True)
-    job = Job(folder / "work")
-    summary = tuning.run(section(trials, seed), {}, folder / name, job)
+    summary = tuning.run(section(trials, seed), {}, folder / name, Job(folder / "work"))
     table = pd.read_csv(folder / name / tuning.CSV)
     searched, finalists = (table.query(f"finalist == {number}") for number in (0, 1))
     best = finalists.sort_values("score", kind="stable").iloc[0]
     assert summary == {"best": best["trial"], "score": pytest.approx(best["score"], abs=1e-4)}
     drawn = searched[1:].sort_values("score", kind="stable")["trial"][:2]
     assert list(finalists["trial"]) == [0, *drawn], "the present one and the best of the others"
-    return searched, job
+    return searched
 
 
 def test_a_share_of_falls_adds_to_the_error():
@@ -48,33 +47,33 @@ def test_a_share_of_falls_adds_to_the_error():
 
 
 def test_the_first_trial_is_the_present_one(tmp_path):
-    table, job = search(tmp_path, "out")
+    table = search(tmp_path, "out")
     assert list(table["trial"]) == [0, 1, 2]
     assert (table["step.apex"][0], table["planner.steps"][0]) == (0.0522, 3)
     assert len(set(table["step.apex"])) == 3
     assert table["step.apex"].between(0.05, 0.09).all()
     assert table["planner.steps"].isin([3, 4, 5]).all(), "whole, and the present one among them"
-    assert job.volatile == {}
 
 
-def test_a_killed_search_goes_on(tmp_path, monkeypatch):
+def test_a_killed_search_goes_on_to_the_same_trials(tmp_path, monkeypatch):
+    whole = search(tmp_path / "whole", "out")
     measure, calls = tuning._measure, []
 
     def killed(*arguments):
         calls.append(arguments)
-        if len(calls) in (1, 4):
+        if len(calls) in (1, 4, 7):
             raise KeyboardInterrupt
         return measure(*arguments)
 
     monkeypatch.setattr(tuning, "_measure", killed)
-    for _ in range(2):  # in the first trial, then in the third
+    for _ in range(3):  # in the first trial, in the third and in the second finalist
         with pytest.raises(KeyboardInterrupt):
             search(tmp_path, "killed")
-    table, job = search(tmp_path, "out")
-    assert list(table["trial"]) == [0, 1, 2]
-    assert table["step.apex"][0] == 0.0522, "the present one is first"
-    assert len(set(table["step.apex"])) == 3
-    assert job.volatile == {"resumed": True}
+    table = search(tmp_path, "out")
+    pd.testing.assert_frame_equal(table, whole, check_exact=True)
+    assert len(calls) == 3 + 3 + 3, "what was measured is not measured again"
+    files = [tmp_path / name / "out" / tuning.CSV for name in ("", "whole")]
+    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
@@ -84,7 +83,7 @@ def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
         return {}, (arguments[-1]["step.apex"] - 0.0778) ** 2
 
     monkeypatch.setattr(tuning, "_measure", bowl)
-    (one, _), (two, _) = (search(tmp_path / name, "out", trials=14) for name in "ab")
+    one, two = (search(tmp_path / name, "out", trials=14) for name in "ab")
     pd.testing.assert_frame_equal(one, two)
     assert abs(one["step.apex"][-2:] - 0.0778).max() < 0.001
 

@@ -5,10 +5,11 @@ minimised, is the mean over the speeds v of log10(e / v² + f / 10): e is the me
 error of the surviving robots after the warm-up (v² if there are none), f the share that falls. A
 sum e / v² + f would count one fall of twelve robots above all else. Few robots miss rare falls, so
 the present settings and the best trials are measured again as finalists, with more robots and other
-starts. A killed search goes on from its journal.
+starts. What a killed search has measured is kept: the next one draws the same trials again.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -16,13 +17,11 @@ import numpy as np
 import optuna
 import pandas as pd
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
-from optuna.storages import JournalStorage
-from optuna.storages.journal import JournalFileBackend
-from optuna.trial import FrozenTrial, TrialState
 
 from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig
 from slider.config.robot import RobotConfig
+from slider.core import files
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking
@@ -30,53 +29,58 @@ from slider.env.rollout import roll_out
 from slider.evaluation.stage import at_speeds, simulate
 
 CSV = "trials.csv"
-_JOURNAL = "trials.log"
+_KEPT = "measured.json"
 _PER_FALL = 0.1  # of v²
 FINALIST = "finalist"  # 0: a trial of the search; 1: measured again
 SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
+_Measure = Callable[[EvaluationConfig, Mapping[str, float]], tuple[dict[str, float], float]]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write a row per trial and finalist: score, settings, success and error [m²/s²] per speed."""
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     ranges = _distributions(section)
-    storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))
-    study = optuna.create_study(storage=storage, study_name="tuning", load_if_exists=True)
-    for trial in study.get_trials(states=(TrialState.RUNNING,)):  # killed
-        study.tell(trial.number, state=TrialState.FAIL)
-    done = len(_complete(study))
-    if done:
-        job.volatile["resumed"] = True
-    elif not study.get_trials(states=(TrialState.WAITING,)):
-        study.enqueue_trial({name: setting(section["control"], name) for name in ranges})
-    # A resumed search must not draw again what it has drawn.
-    study.sampler = optuna.samplers.GPSampler(seed=section["sampler_seed"] + done)
-    measure = partial(_measure, section, inputs, job.threads)
+    sampler = optuna.samplers.GPSampler(seed=section["sampler_seed"])
+    study = optuna.create_study(sampler=sampler)
+    study.enqueue_trial({name: setting(section["control"], name) for name in ranges})
+    measure = _kept(job.work / _KEPT, partial(_measure, section, inputs, job.threads))
     protocol = from_dict(EvaluationConfig, section["evaluation"])
-    for number in range(done, section["trials"]):
+    rows = []
+    for number in range(section["trials"]):
         trial = study.ask(ranges)
         columns, score = measure(protocol, trial.params)
         assert np.isfinite(score), trial.params
-        for name, value in columns.items():
-            trial.set_user_attr(name, value)
         study.tell(trial, score)
+        rows.append({"trial": number, FINALIST: 0, "score": score, **trial.params, **columns})
         job.progress(f"trial {number + 1}/{section['trials']}, best score {study.best_value:.3f}")
         job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
-    present, *drawn = trials = list(enumerate(_complete(study)))
-    best = sorted(drawn, key=lambda item: item[1].values)[: section["finalists"]]
+    present, *drawn = rows
+    best = sorted(drawn, key=lambda row: row["score"])[: section["finalists"]]
     changed = {"robots": section["finalist_robots"], "seed": protocol.seed + 1}
     final = from_dict(EvaluationConfig, section["evaluation"] | changed)
-    rows = [
-        {"trial": number, FINALIST: 0, "score": trial.values[0], **trial.params, **trial.user_attrs}
-        for number, trial in trials
-    ]
-    for place, (number, trial) in enumerate([present, *best], 1):
+    for place, row in enumerate([present, *best], 1):
         job.progress(f"finalist {place}/{len(best) + 1}")
-        columns, score = measure(final, trial.params)
-        rows.append({"trial": number, FINALIST: 1, "score": score, **trial.params, **columns})
+        columns, score = measure(final, {name: row[name] for name in ranges})
+        rows.append({**row, FINALIST: 1, "score": score, **columns})
     pd.DataFrame(rows).to_csv(out / CSV, index=False, float_format="%.6g", lineterminator="\n")
-    winner = min(rows[len(trials) :], key=lambda row: row["score"])
+    winner = min(rows[section["trials"] :], key=lambda row: row["score"])
     return {"best": winner["trial"], "score": winner["score"]}
+
+
+def _kept(path: Path, measure: _Measure) -> _Measure:
+    """The same function, whose results a file keeps for the search after a kill."""
+    kept = dict[str, tuple[dict[str, float], float]]()
+    with suppress(OSError, ValueError):  # none yet, or damaged
+        kept |= files.read_json(path)
+
+    def measured(config: EvaluationConfig, settings: Mapping[str, float]):
+        key = files.digest_value([config.robots, config.seed, settings])
+        if key not in kept:
+            kept[key] = measure(config, settings)
+            files.write_json(path, kept)
+        return kept[key]
+
+    return measured
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:
@@ -91,10 +95,6 @@ def _distributions(section: Section) -> dict[str, BaseDistribution]:
         else:
             ranges[name] = FloatDistribution(*ends, log=log)
     return ranges
-
-
-def _complete(study: optuna.Study) -> list[FrozenTrial]:
-    return study.get_trials(states=(TrialState.COMPLETE,))
 
 
 def _measure(

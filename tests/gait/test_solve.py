@@ -1,5 +1,7 @@
 """Solved gaits: velocities, transcriptions, costs, step-time laws, guesses, motors and the hip."""
 
+import signal
+import sys
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -32,6 +34,20 @@ def solve_with(form: Formulation, guesses=("cold",), step_time: StepTime | None 
     gait = config().gait
     settings = replace(gait.solver, guesses=list(guesses))
     return GaitSolver(build(form), settings, step_time or gait.step_time)
+
+
+def test_a_solve_that_does_not_end_by_itself_is_no_result():
+    """CasADi swallows what a handler raises, and IPOPT reports that it was stopped."""
+    solver = solve_with(form())
+    solver._ipopt(False)
+    before = signal.signal(signal.SIGVTALRM, lambda *_: sys.exit(1))
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0.1)
+    try:
+        with pytest.raises(RuntimeError, match="expected IPOPT to end by itself, found NonIpopt_"):
+            solver.solve(*VELOCITY)
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
 
 
 def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

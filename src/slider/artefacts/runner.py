@@ -77,9 +77,11 @@ class Runner:
         keep_freed_memory()
         for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):
             os.environ.setdefault(compiler, str(self.store.cache_folder("compiled").absolute()))
-        job = self._job(spec)
+        job, name = self._job(spec), f"{spec.stage}-{spec.recipe[:12]}"
+        for left in self.store.root.glob(f"tmp/{name}-*"):  # by a job that was killed
+            shutil.rmtree(left, ignore_errors=True)
         try:
-            with self.store.temporary(f"{spec.stage}-{spec.recipe[:12]}") as out:
+            with self.store.temporary(name) as out:
                 inputs = {
                     name: [self.store.object_folder(digest).absolute() for digest in digests]
                     for name, digests in objects.items()

@@ -4,7 +4,6 @@ import argparse
 import logging
 import os
 import shutil
-import signal
 import sys
 import traceback
 from collections import deque
@@ -40,8 +39,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise UserError(f"expected a recipe of {arguments.plan}, found {arguments.recipe}")
     store = Store(arguments.artefacts)
     log = store.log_path(spec.stage, spec.recipe)
-    for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
-        signal.signal(number, lambda number, _: sys.exit(128 + number))
     peers = (job for job in plan.jobs.values() if job.stage == spec.stage)
     waiting = sum(not store.manifest_path(spec.stage, job.recipe).is_file() for job in peers)
     progress = store.progress_path(spec.stage, spec.recipe).absolute()

@@ -4,10 +4,14 @@ The pipeline runs this file as a script, ``python -I -X utf8 environment.py run 
 ignores ``PYTHON*``, packages of the user and the working directory. The package of this file comes
 first on the path, whatever is installed. Variables are taken by an allow-list. Jobs have a home
 folder of their own and work in their work folder, so that no options from elsewhere apply.
+
+A signal ends a job at once, without a handler: libraries that call Python, such as CasADi, swallow
+what a handler raises and go on with other numbers. The store bears SIGKILL as well.
 """
 
 import os
 import runpy
+import signal
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -48,6 +52,7 @@ def library_path(folders: str) -> str:
 
 def main() -> None:
     """Run a command of ``slider`` in the environment of a job."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the only one that Python itself catches
     variables = job_environment(os.environ, _HOME.absolute())
     os.environ.clear()
     os.environ.update(variables)

@@ -18,6 +18,14 @@ GIVEN = "given"  # name of a start that is no guess of the configuration
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
 # No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
 _MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
+# Return statuses of IPOPT that follow from the numbers. Others, such as those of an interrupted
+# callback, a time limit or too little memory, do not.
+_ENDS = {
+    *("Solve_Succeeded", "Solved_To_Acceptable_Level", "Feasible_Point_Found"),
+    *("Infeasible_Problem_Detected", "Maximum_Iterations_Exceeded", "Restoration_Failed"),
+    *("Search_Direction_Becomes_Too_Small", "Diverging_Iterates", "Error_In_Step_Computation"),
+    *("Invalid_Number_Detected", "Not_Enough_Degrees_Of_Freedom"),
+}
 _WARM = {
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-6,
@@ -201,6 +209,7 @@ class GaitSolver:
 
         Raises:
             ValueError: a yaw rate, and the problem's walks do not turn.
+            RuntimeError: IPOPT did not end for a reason of its own.
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
@@ -267,7 +276,11 @@ class GaitSolver:
         duration = duration_bounds(self._step_time, *velocity[:2])
         lower, upper = self.problem.variable_bounds(duration)
         row_lower, row_upper = self.problem.row_bounds
-        return function(p=velocity, lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, **start)
+        bounds = {"lbx": lower, "ubx": upper, "lbg": row_lower, "ubg": row_upper}
+        result = function(p=velocity, **bounds, **start)
+        if (status := function.stats()["return_status"]) not in _ENDS:
+            raise RuntimeError(f"expected IPOPT to end by itself, found {status}")
+        return result
 
     def _residuals(
         self, rows: np.ndarray, variables: np.ndarray, velocity: tuple[float, float]

@@ -5,6 +5,7 @@ On a cluster the output of a job is in Slurm's log; here the end of the job's ow
 
 import logging
 import re
+import signal
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
@@ -32,6 +33,14 @@ _TEXTS = (
 _AT_THE_END = ("Complete log", "Elapsed time")
 _TAIL = 5  # lines of the log of a job that could not speak for itself
 _SPOKE = re.compile(r"^(Traceback \(most recent call last\)|slider: )", re.MULTILINE)
+# What Snakemake says about a job of ours that failed: the whole command, and how it ended.
+_ENDED = re.compile(
+    r"Command '.* run --plan \S+ (?P<recipe>[0-9a-f]{64})\b.*' "
+    r"(died with <Signals\.(?P<name>\w+)|returned non-zero exit status (?P<status>\d+))",
+    re.DOTALL,
+)
+_BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # of some shells
+_OUT_OF_MEMORY = "SIGKILL, as the system does where memory runs out"
 _log_error = GroupJob.log_error  # Snakemake's own
 _REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
@@ -46,6 +55,7 @@ class Console:
 
     def __post_init__(self) -> None:
         self._recipes: dict[int, str] = {}
+        self._labels: dict[str, str] = {}
         logger.addFilter(self._is_news)
         _keep_reasons()
 
@@ -56,6 +66,7 @@ class Console:
             self._recipes = {
                 job.jobid: job.wildcards.recipe for job in jobs if hasattr(job.wildcards, "recipe")
             }
+            self._labels = {recipe: plan.jobs[recipe].label for recipe in self._recipes.values()}
             settings = self.workflow.resource_settings
             cores = settings.cores or settings.nodes or 1
             if self._recipes:
@@ -94,8 +105,19 @@ class Console:
             return False
         if event in _OF_A_RUN:
             return self.workflow.dryrun
+        if event == LogEvent.ERROR and (ended := _ENDED.search(record.getMessage())):
+            self._show_end(**ended.groupdict())
+            return False
         end = _AT_THE_END if self.succeeded else ()
         return not record.getMessage().startswith((*_TEXTS, *end))
+
+    def _show_end(self, recipe: str, name: str | None, status: str | None) -> None:
+        """Write which signal ended a job; one that ended by itself has written why."""
+        if name := name or _BY_STATUS.get(status or ""):
+            cause = _OUT_OF_MEMORY if name == signal.SIGKILL.name else name
+            kept = "results and checkpoints are kept, the same command again goes on from there"
+            label = self._labels.get(recipe, "the job")
+            print(f"slider: {label}: ended by {cause}; {kept}", file=sys.stderr)
 
 
 def _keep_reasons() -> None:

@@ -161,6 +161,7 @@ class Pipeline:
             settings = workflow.config_settings
             settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
             signal.signal(signal.SIGTERM, signal.default_int_handler)
+        self._forget_forced(workflow.dag)
         artefacts, overrides = self.store.root, " ".join(self.overrides)
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
@@ -172,6 +173,15 @@ class Pipeline:
             name = f"pipeline {overrides}".strip()[:_TITLE]
             own = {"plan": self.plan_path.stem, "overrides": overrides}
             self.session = tracking.start(artefacts, info, name, own, to_dict(self.config))
+
+    def _forget_forced(self, dag: Any) -> None:
+        """Let jobs that ``-R``, ``-f`` or ``-F`` names compute anew, not reuse their results."""
+        for job in dag.needrun_jobs():
+            recipe = getattr(job.wildcards, "recipe", None)
+            if recipe and dag.reason(job).forced:
+                path = self.store.manifest_path(self.plan.jobs[recipe].stage, recipe)
+                if manifest := self.store.present(path):
+                    self.store.index_path(manifest.key).unlink(missing_ok=True)
 
     def finish(self, succeeded: bool) -> None:
         """Close the session of this pipeline run."""

@@ -33,6 +33,27 @@ def test_chatter_is_dropped_and_errors_stay(console):
     assert not passes("Complete log(s): x.log")
 
 
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("died with <Signals.SIGKILL: 9>.", "ended by SIGKILL, as the system does where memory"),
+        ("returned non-zero exit status 137.", "ended by SIGKILL, as"),
+        ("died with <Signals.SIGSEGV: 11>.", "ended by SIGSEGV; "),
+        ("returned non-zero exit status 1.", ""),
+    ],
+)
+def test_a_failed_job_is_one_line_without_its_command(console, capsys, how, said):
+    """One that ended by itself has written why."""
+    recipe = "ab" * 32
+    console._labels = {recipe: "gait 0.4"}
+    command = f"Command 'set -e; python -I x.py run --plan a/b.json {recipe} --threads 2' {how}"
+    text = f"RuleException:\nCalledProcessError in file stages.smk, line 33:\n{command}"
+    assert not passes(text, event=LogEvent.ERROR)
+    error = capsys.readouterr().err
+    assert error.startswith(f"slider: gait 0.4: {said}") if said else error == ""
+    assert passes(text.replace(" run ", " publish "), event=LogEvent.ERROR)
+
+
 def test_events_of_jobs_are_followed_until_a_line_cannot_be_written(console, capsys):
     """Such an error ends no run."""
     seen = []

@@ -76,7 +76,8 @@ def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch,
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     settings = SimpleNamespace(config_args=given)
     head = open_pipeline({"hydra": "experiment=test tracking.enabled=false"}, CONF)
-    head.start(SimpleNamespace(local_exec=False, config_settings=settings))
+    dag = SimpleNamespace(needrun_jobs=list)
+    head.start(SimpleNamespace(local_exec=False, config_settings=settings, dag=dag))
     assert settings.config_args == [*(given or []), f"plan={head.plan_path}"]
 
 

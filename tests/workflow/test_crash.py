@@ -60,6 +60,26 @@ def test_a_killed_job_and_head_leave_nothing_and_are_resumed(workspace):
     assert workspace.computed(LONGER) == []
 
 
+def test_a_pipeline_whose_job_a_signal_ends_fails_in_one_line_and_goes_on(workspace):
+    """By the system where memory runs out, by a cluster, by Ctrl-C."""
+    for send, number in ((os.kill, "SIGKILL"), (os.kill, "SIGTERM"), (os.killpg, "SIGINT")):
+        (workspace.folder / WAIT).touch()
+        head = workspace.start(TABLE, hydra=LONGER)
+        job = workspace.wait_for_job("walking")
+        send(job if send is os.kill else head.pid, signal.Signals[number])
+        _, said = head.communicate()
+        assert head.returncode == 1
+        line, log = ours(said)
+        assert line.startswith(f"slider: walking: ended by {number}")
+        assert ("memory" in line) is (number == "SIGKILL")
+        assert log.startswith("slider: the job's log is ")
+        assert "Command '" not in said
+    (workspace.folder / WAIT).unlink()
+    assert workspace.computed(LONGER) == AFTER_STANDING
+    assert [*(workspace.artefacts / "tmp").iterdir()] == []
+    assert workspace.computed(LONGER, f"{TABLE} -R walking") == ["walking"]
+
+
 @contextmanager
 def read_only(folder: Path) -> Iterator[None]:
     """Let nobody write below a folder: by modes, or by a mount for root, whom modes do not stop."""

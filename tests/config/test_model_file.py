@@ -1,5 +1,6 @@
 """Robots from model files: our own through the same door, a URDF in frames of any direction."""
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,8 @@ from slider.config.convert import to_dict
 from slider.config.model_file import read_model
 from slider.config.parameters import parameters
 from slider.config.robot import LINKS, RobotConfig
+from slider.config.robot_file import read
+from slider.core.errors import UserError
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.config.composed import CONF, composed, refusal
 from tests.robot.lopsided import kneed, lopsided, turned
@@ -290,12 +293,6 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         ),
         (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
-        (
-            XML,
-            "<worldbody>",
-            f"<!--{'-' * 2_000_000}--><worldbody>",
-            "a file of at most 2000000 bytes",
-        ),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
         (XML, 'mass="0.97"', 'mass="1.97"', "expected legs that are alike"),
         (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "right_hip_roll that differ by"),
@@ -306,7 +303,9 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
 )
 def test_a_mistake_is_one_line(folder, name, before, after, message):
     change(folder / name, before, after)
-    assert message in refusal([f"robot={folder}/robot.yaml"])
+    with pytest.raises(UserError, match=re.escape(message)) as error:
+        read(folder / "robot.yaml")
+    assert "\n" not in str(error.value)
 
 
 def test_the_example_of_the_tutorial(tmp_path, capsys):

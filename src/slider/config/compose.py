@@ -20,11 +20,11 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException, MissingConfigException
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from yaml import MarkedYAMLError, YAMLError
+from yaml import YAMLError
 
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
-from slider.config.robot_file import store_robot, without_absent
+from slider.config.robot_file import malformed, store_robot, without_absent
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError
@@ -87,7 +87,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
         except OmegaConfBaseException as error:
             raise UserError(_first_line(error)) from None
         except (YAMLError, UnicodeDecodeError) as error:
-            raise UserError(_malformed(error)) from None
+            raise UserError(malformed(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
 
@@ -173,14 +173,6 @@ def _store_all(conf: Path, group: str) -> None:
 
 def _first_line(error: BaseException) -> str:
     return str(error).strip().splitlines()[0].strip()
-
-
-def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
-    """File, line and what is wrong there, as far as the parser says."""
-    if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
-        return f"configuration: expected YAML, found {' '.join(str(error).split())}"
-    where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"
-    return f"{where}: expected YAML, found an error: {error.problem}"
 
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:

@@ -34,7 +34,6 @@ _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _MAX_TILT = 1e-3  # of an axis against the frame's [rad]
 _MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
-_MAX_SIZE = 2_000_000  # of a model file; MuJoCo parses n bodies in a time of order n² [bytes]
 MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
 
 
@@ -243,9 +242,6 @@ class ModelTree:
 def compiled(path: Path) -> mujoco.MjModel:
     """The model without meshes, sensors and actuators."""
     require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
-    size = path.stat().st_size
-    expected = f"a file of at most {_MAX_SIZE} bytes"
-    require(size <= _MAX_SIZE, "robot.model", expected, f"{size} bytes")
     warn, warnings = mujoco.get_mju_user_warning(), []
     mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
     try:

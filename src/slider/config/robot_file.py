@@ -7,21 +7,24 @@ The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. W
 optional. A value of either file has no other tag than the file's.
 """
 
+import json
 import re
 from collections.abc import Sequence
+from dataclasses import asdict
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import MarkedYAMLError, YAMLError
 
+from slider.config.model_file import ModelFile, read_model
 from slider.config.parameters import tag
+from slider.core.confined import confined
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
-
-if TYPE_CHECKING:
-    from slider.config.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
@@ -46,13 +49,13 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     own = {f"robot={name}" for name in names}
     paths = {text: path for text in overrides if text not in own and (path := _path(text))}
     for text, path in paths.items():
-        node = _content(path)
+        node, model = _read(path)
         require("name" in node, text, "the robot's name as `name`", "none")
         defaults = node.get("defaults", [])
         possible = isinstance(defaults, list) and all(name in names for name in defaults[:-1])
         possible = possible and all(name in (*names, "_self_") for name in defaults[-1:])
         require(possible, f"{text}: defaults", f"[{', '.join(names)}, _self_]", defaults)
-        if model := _model(node, path):
+        if model:
             node = cast(dict[str, Any], OmegaConf.to_container(OmegaConf.merge(model.values, node)))
         tags = node.get("provenance") or {}
         require(isinstance(tags, dict), "robot.provenance", "a tag per dotted key", tags)
@@ -78,15 +81,14 @@ def without_absent(robot: Any) -> None:
             robot[name] = kept
 
 
-def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
+def read_option(option: str) -> tuple[ModelFile | None, set[str] | None]:
     """What the model file of the robot's file gives, if it names one, and the keys of both.
 
     Keys are dotted. An option of ``conf/robot`` gives neither: (None, None).
     """
     if (path := _path(f"robot={option}")) is None:
         return None, None
-    node = _content(path)
-    model = _model(node, path)
+    node, model = _read(path)
     given = flatten(model.values) if model else {}
     return model, given.keys() | flatten(node).keys()
 
@@ -107,23 +109,41 @@ def _path(text: str) -> Path | None:
     return path / "robot.yaml" if path.is_dir() else path
 
 
-def _content(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> tuple[dict[str, Any], ModelFile | None]:
+    """Values of a robot's file, and what its model file gives."""
+    found = confined("slider.config.robot_file:read", path.absolute())
+    return found["values"], ModelFile(**found["model"]) if found["model"] else None
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Plain values of a robot's file apart from ``model`` and ``roles``, and of its model file.
+
+    Raises:
+        UserError: a file cannot be read, or is no robot's.
+    """
+    special = path.exists() and not path.is_file()  # a pipe would block
+    require(not special, f"robot={path}", "a YAML file", "another kind")
     try:
-        content = OmegaConf.to_container(OmegaConf.load(path))
-    except (OSError, UnicodeDecodeError) as error:
+        node = OmegaConf.to_container(OmegaConf.load(path))
+        json.dumps(node)
+    except (OSError, ValueError, TypeError, AttributeError) as error:
         found = getattr(error, "strerror", None) or error
         raise UserError(f"robot={path}: expected a YAML file, found: {found}") from None
-    require(isinstance(content, dict), f"robot={path}", "keys and values", type(content).__name__)
-    return cast(dict[str, Any], content)
-
-
-def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":
-    """Take ``model`` and ``roles`` out of the content, and return what they give."""
+    except (YAMLError, OmegaConfBaseException) as error:
+        raise UserError(malformed(error)) from None
+    require(isinstance(node, dict), f"robot={path}", "keys and values", type(node).__name__)
+    node = cast(dict[str, Any], node)
     file, roles = node.pop("model", None), node.pop("roles", None)
     if file is None and roles is None:
-        return None
+        return {"values": node, "model": None}
     if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
-    from slider.config.model_file import read_model  # imports MuJoCo
+    return {"values": node, "model": asdict(read_model(path.parent / file, roles))}
 
-    return read_model(path.parent / file, roles)
+
+def malformed(error: Exception) -> str:
+    """File, line and what is wrong there, as far as the parser says."""
+    if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
+        return f"configuration: expected YAML, found {' '.join(str(error).split())}"
+    where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"
+    return f"{where}: expected YAML, found an error: {error.problem}"

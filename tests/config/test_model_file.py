@@ -155,6 +155,30 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     assert values["joints"]["slide"] == pytest.approx(slide)
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        (
+            'name="left_ankle" (.*?)</joint>',
+            r'name="left_ankle" \1<mimic joint="arm_joint"/></joint>',
+            "found joint constraint of left_ankle and arm_joint",
+        ),
+        (
+            'name="box"><inertial>.*?</inertial>',
+            'name="box"><collision><geometry><box size="1 1 1"/></geometry></collision>',
+            "masses of inertial elements in bodies, found box without",
+        ),
+    ],
+    ids=["mimic", "without inertia"],
+)
+def test_a_urdf_is_one_whatever_its_file_is_called(before, after, message, tmp_path):
+    text = urdf(lopsided(), tmp_path).read_text(encoding="utf-8")
+    path = tmp_path / "robot.xml"
+    path.write_text(f"<!-- <mujoco> -->{re.sub(before, after, text, count=1)}", encoding="utf-8")
+    with pytest.raises(UserError, match=message):
+        read_model(path, {"base": "base", "joints": NO_YAW})
+
+
 def test_hinges_on_one_body_leave_light_links(tmp_path):
     """As many MJCF files have them: one body for the hip."""
     inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
@@ -259,6 +283,19 @@ def change(path: Path, before: str, after: str) -> None:
     path.write_text(content.replace(before, after, 1), encoding="utf-8")
 
 
+TENDON = '<tendon><fixed name="t"><joint joint="left_slide" coef="1"/></fixed></tendon>'
+
+
+def joined(constraint: str) -> tuple[str, str]:
+    return "</mujoco>", f"{TENDON}<equality>{constraint}</equality></mujoco>"
+
+
+def test_what_no_leg_has_is_ignored_by_name(folder):
+    change(folder / "robot.xml", *joined('<weld body1="base"/>'))
+    model = read(folder / "robot.yaml")["model"]
+    assert model["ignored"] == ["weld constraint of base and world"]
+
+
 YAML, XML = "robot.yaml", "robot.xml"
 SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other", "right")
 
@@ -272,7 +309,7 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
         (YAML, "[left_slide, right_slide]", "left_slide", "slide: expected a list, found"),
-        pytest.param(YAML, TEXT, SWAPPED, "swapped?), found its ankle at y = -", id="swapped"),
+        pytest.param(YAML, TEXT, SWAPPED, "−x?), found its ankle at y = -", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         (YAML, "base: base,", "base: base, side: top,", "roles.side: expected 'left' or 'right'"),
@@ -298,6 +335,19 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "right_hip_roll that differ by"),
         (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds roles.pose, in rad"),
         (XML, 'range="-0.785 0.785"', 'range="-45 45"', "from -45 to 45 and its pose 0"),
+        (
+            XML,
+            *joined('<joint joint1="left_ankle" joint2="left_slide"/>'),
+            "left_ankle and left_slide",
+        ),
+        (
+            XML,
+            *joined('<connect body1="left_foot" body2="base" anchor="0 0 0"/>'),
+            "loops, found c",
+        ),
+        (XML, *joined('<tendon tendon1="t"/>'), "found tendon constraint of t"),
+        (XML, 'joint name="left_ankle"', 'joint name="left_ankle" stiffness="3"', "of left_ankle"),
+        (XML, "</mujoco>", TENDON.replace('"t"', '"t" stiffness="3"') + "</mujoco>", "spring of t"),
         (XML, "<compiler ", '<compiler inertiafromgeom="true" ', "expected masses of inertial"),
     ],
 )

@@ -20,7 +20,7 @@ from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 
-_SEEN, _LEVEL = 1e-3, 0.02  # [m], [rad]
+_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,6 +100,8 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
             )
         held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
+        if model.ignored:
+            yield f"remark: ignored, as no leg has them: {', '.join(model.ignored)}"
     paths = [item.path for item in parameters(robot)]
     rest = [path for path in paths if not any(f"{path}.".startswith(f"{k}.") for k in given)]
     yield f"from the robot that it builds on: {', '.join(rest) or 'nothing'}"
@@ -113,6 +115,8 @@ def _remarks(robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray) -> Ite
     x, ankle = data.subtree_com[0][0], data.joint("left_ankle").xanchor[0]
     if not -geometry.heel < x - ankle < geometry.toe:
         yield f"remark: the centre of mass is not above the feet, x = {x:.3f} m"
+    if robot.links.foot.com[0] < -_BEHIND * (geometry.toe + geometry.heel):
+        yield "remark: the feet's centres are behind the ankles: does the base look along −x?"
     if shares.max() > 1.0:
         name = robot.leg_motors[int(shares.argmax())]
         yield f"remark: {name} cannot hold the robot on one leg"

@@ -39,6 +39,7 @@ class ModelFile:
         differs: largest difference of the legs, and what has it.
         lateral: y of the base's centre, which counts as 0 [m].
         turned: by how much the pose turns the feet against the model's own zero [rad].
+        ignored: springs and constraints that do not touch a leg.
     """
 
     values: dict[str, Any]
@@ -46,6 +47,7 @@ class ModelFile:
     differs: tuple[float, str]
     lateral: float
     turned: float
+    ignored: list[str]
 
 
 def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
@@ -75,7 +77,7 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
     leg = right if roles.side == "right" else left
     lateral = leg["ankle"].place[1]
-    expected = "a left leg on the left, y > 0 (are left and right swapped?)"
+    expected = "a left leg at y > 0 (are left and right swapped, or does the base look along −x?)"
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee)
     links = {"base": _values(base, np.zeros(3))} | dict.fromkeys(LINKS.values(), _LIGHT)
@@ -85,7 +87,8 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     joints |= {name: joint for name, joint in ABSENT.items() if name not in leg}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
     robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
-    return ModelFile(robot, tree.held(), (difference, worst), offset, tree.turned())
+    differs = difference, worst
+    return ModelFile(robot, tree.held(), differs, offset, tree.turned(), tree.ignored)
 
 
 def _geometry(

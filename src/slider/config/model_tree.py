@@ -6,6 +6,7 @@ Joints without a role are held, and their bodies are welded to the link above.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import re
 from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
@@ -77,6 +78,7 @@ class ModelTree:
         self._origin = self._data.xpos[self._base]
         self._turn = self._data.xmat[self._base].reshape(3, 3).T
         self._owners = self._find_owners()
+        self.ignored = self._check_constraints()
         self.order, other = (self._hip_order(side) for side in range(2))
         text = f"one order of both hips ({', '.join(self.order)})"
         require(self.order == other, "robot.roles.joints", text, ", ".join(other))
@@ -99,6 +101,42 @@ class ModelTree:
             parent = owners[model.body_parentid[body]]  # parents come first
             owners[body] = own[-1] if own else max(parent, -1)
         return owners
+
+    def _check_constraints(self) -> list[str]:
+        """Refuse springs and constraints of the legs; those of other parts, which are ignored."""
+        model, found = self._model, {True: list[str](), False: list[str]()}
+        parts: list[tuple[str, str, list[int]]] = []
+        for kind, stiff in (("joint", model.jnt_stiffness), ("tendon", model.tendon_stiffness)):
+            parts += [("spring", kind, [int(index)]) for index in np.flatnonzero(stiff)]
+        for index in np.flatnonzero(model.eq_active0):
+            name = mujoco.mjtEq(model.eq_type[index]).name.removeprefix("mjEQ_").lower()
+            by_site = model.eq_objtype[index] == mujoco.mjtObj.mjOBJ_SITE
+            kind = name if name in ("joint", "tendon") else "site" if by_site else "body"
+            both = model.eq_obj1id[index], model.eq_obj2id[index]
+            parts.append((f"{name} constraint", kind, [int(k) for k in both if k >= 0]))
+        for text, kind, numbers in parts:
+            owners = {self._owners[body] for k in numbers for body in self._bodies(kind, k)}
+            names = " and ".join(getattr(model, kind)(k).name for k in numbers)
+            found[len(owners) > 1 and max(owners) >= 0].append(f"{text} of {names}")
+        expected = "legs without springs, coupled joints and closed loops"
+        require(not found[True], "robot.model", expected, ", ".join(found[True]))
+        return found[False]
+
+    def _bodies(self, kind: str, index: int) -> list[int]:
+        """Bodies that a body, site, joint or tendon holds together."""
+        model = self._model
+        if kind == "joint":
+            return [model.jnt_bodyid[index], model.body_parentid[model.jnt_bodyid[index]]]
+        if kind == "tendon":
+            of = {
+                int(mujoco.mjtWrap.mjWRAP_JOINT): "joint",
+                int(mujoco.mjtWrap.mjWRAP_SITE): "site",
+            }
+            start = model.tendon_adr[index]
+            parts = slice(start, start + model.tendon_num[index])
+            wraps = zip(model.wrap_type[parts], model.wrap_objid[parts], strict=True)
+            return [body for wrap, k in wraps if wrap in of for body in self._bodies(of[wrap], k)]
+        return [model.site_bodyid[index] if kind == "site" else index]
 
     def _joints_of(self, body: int) -> range:
         start = self._model.body_jntadr[body]
@@ -162,16 +200,17 @@ class ModelTree:
 
     def held(self) -> dict[str, float]:
         """Joints without a role, each with those below it, and the mass that they carry [kg]."""
-        model, result, below = self._model, {}, set[int]()
+        model, owners, result, holders = self._model, self._owners, {}, {}
         for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
             joints = set(self._joints_of(int(body))) - self._roles
             held = sorted(k for k in joints if model.jnt_type[k] != _FREE)
-            nested = model.body_parentid[body] in below  # parents come first
-            if held and not nested:
-                name = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
-                result[name] = float(model.body_subtreemass[body])
-            if held or nested:
-                below.add(int(body))
+            parent = model.body_parentid[body]  # parents come first
+            holder = holders.get(parent) if owners[body] == owners[parent] else None
+            if held and holder is None:
+                holder = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
+            if holder is not None:
+                result[holder] = result.get(holder, 0.0) + float(model.body_mass[body])
+            holders[body] = holder
         return result
 
     def turned(self) -> float:
@@ -246,7 +285,7 @@ def compiled(path: Path) -> mujoco.MjModel:
     mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
     try:
         spec = mujoco.MjSpec.from_file(str(path))
-        _strip(spec, path.suffix == ".urdf")
+        _strip(spec, _is_urdf(path))
         model = spec.compile()
     except (ValueError, OSError) as error:
         text = " ".join([*str(error).split(), *" ".join(warnings).split()])
@@ -258,21 +297,28 @@ def compiled(path: Path) -> mujoco.MjModel:
     return model
 
 
+def _is_urdf(path: Path) -> bool:
+    """Tell by the first element, as MuJoCo does."""
+    text = re.sub(rb"(?s)<!--.*?-->", b"", path.read_bytes())
+    return (first := re.search(rb"<(\w+)", text)) is not None and first[1] == b"robot"
+
+
 def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
     """Delete what needs further files, or names what is deleted."""
     geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
+    for part in [*spec.geoms, *spec.sites, *spec.tendons]:
+        part.material = ""
     for geom in list(spec.geoms):
-        geom.material, body = "", geom.parent
+        body = geom.parent
         shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
         weighs = body.explicitinertial or body == spec.worldbody or not (shaped or urdf)
         require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
         if shaped:
             spec.delete(geom)
-    drives = [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]
-    links = [*spec.excludes, *spec.equalities, *spec.skins, *spec.meshes, *spec.hfields]
-    for part in [*drives, *links, *spec.materials, *spec.textures]:
+    parts = [*spec.sensors, *spec.actuators, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
+    for part in [*parts, *spec.meshes, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
 

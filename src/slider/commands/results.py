@@ -189,5 +189,7 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "sweep": ("sweep.md", partial(markdown_tables, count=1)),
     "stability": ("stability.md", partial(markdown_tables, count=1)),
     "verification": ("verification.md", partial(markdown_tables, count=1)),
+    "ablation": ("ablation.md", partial(markdown_tables, count=6)),
+    "seeds": ("seeds.md", partial(markdown_tables, count=6)),
 }
 """Name of the block → report, and the Markdown made from it."""

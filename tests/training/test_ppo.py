@@ -9,7 +9,7 @@ from tensordict import TensorDict
 
 from slider.env.interface import FLOAT64
 from slider.env.vec_env import Task
-from slider.training.ppo import TrackerLogWriter, with_reflections
+from slider.training.ppo import AnnealedPPO, TrackerLogWriter, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task, trained
@@ -38,15 +38,16 @@ def test_one_call_per_step():
 
 def actors_of(trainer: Trainer) -> list[dict[str, torch.Tensor]]:
     """Train, and give the weights after each update."""
-    seen, update = [], trainer.algorithm.update
+    seen, update = [], AnnealedPPO.update
 
-    def watched():
-        losses = update()
+    def watched(algorithm: AnnealedPPO) -> dict[str, float]:
+        losses = update(algorithm)
         seen.append(actor(trainer))
         return losses
 
-    trainer.algorithm.update = watched
-    trainer.run()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(AnnealedPPO, "update", watched)
+        trainer.run()
     return seen
 
 

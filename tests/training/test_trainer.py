@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
 import pytest
 import torch
 
@@ -14,7 +14,7 @@ from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
-from slider.env.vec_env import Task
+from slider.env.vec_env import Task, WalkingEnv
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score
 from slider.training.trainer import BEFORE, CHECKPOINT, WEIGHTS, Trainer, read_checkpoint
@@ -32,6 +32,18 @@ TINY = (
     "train.standing.ppo.precision=float32",
     "train.walking.ppo.precision=float32",
 )
+
+# Trainings that must not depend on a kill: where they are configured, and what else.
+KINDS = {
+    "standing": ("train.standing", ()),
+    "walking": ("train.walking", ("train/walking/disturbance=robust",)),
+    "terrain": ("finetuning", ("finetuning=outdoor",)),
+    "onboard": ("train.walking", ("train.walking.sensing=onboard",)),
+}
+STEPS = 8  # of an iteration of theirs
+SHORT = "{0}.iterations=5 {0}.selection.interval=2 {0}.episode_length=0.4 {0}.robots=8"
+CHECKED = "{0}.selection.robots=1 {0}.selection.duration=0.2 {0}.selection.warm_up=0.1"
+LEARNED = f"{{0}}.steps_per_iteration={STEPS} {{0}}.ppo.precision=float32"
 
 
 class Notes(NoTracker):
@@ -53,6 +65,17 @@ def task(training: str = "walking", **changes) -> Task:
     guide = make_guide() if training == "walking" else None
     table = gait_table()
     return Task(whole.robot, whole.env, train, table.times, guide, table.joints)
+
+
+def of_kind(kind: str) -> Task:
+    """A task of ``KINDS``: three chunks, in which episodes end."""
+    training, overrides = KINDS[kind]
+    tiny = f"{SHORT} {CHECKED} {LEARNED}".format(training).split()
+    whole, table = config(*TINY, *overrides, *tiny), gait_table()
+    train = whole.trainings[training]
+    env = replace(whole.env, sensing=train.sensing)
+    guide = None if kind == "standing" else make_guide()
+    return Task(whole.robot, env, train, table.times, guide, table.joints)
 
 
 def job(work: Path, threads: int = 1) -> Job:
@@ -101,41 +124,37 @@ def same(one: Mapping[str, torch.Tensor], other: Mapping[str, torch.Tensor]) -> 
     return one.keys() == other.keys() and all(torch.equal(one[k], other[k]) for k in one)
 
 
-def test_a_killed_training_goes_on_where_it_was(tmp_path):
-    first = trained(tmp_path, iterations=2)
-    before = {name: first.rows(name) for name in (SELECTION, CURVE)}
-    assert first.iterations == [0, 1]
-    assert "resumed" not in first.job.volatile
-    second = trained(tmp_path, iterations=5)
-    assert second.job.volatile["resumed"] is True
-    assert second.iterations == [2, 3, 4]
-    assert second.checkpoint()["iteration"] == 5
-    for name, expected in ((SELECTION, "12345"), (CURVE, "01234")):
-        rows = second.rows(name)
-        assert [row.split(",")[0] for row in rows] == list(expected)
-        assert rows[:2] == before[name]
-    third = trained(tmp_path, iterations=5)
-    assert third.iterations == []
-    assert same(actor(third.trainer), actor(second.trainer))
-    one, other = (run.trainer.algorithm.save() for run in (second, third))
-    assert same(one["critic_state_dict"], other["critic_state_dict"])
-    moments = [content["optimizer_state_dict"]["state"][0]["exp_avg"] for content in (one, other)]
-    assert moments[0].abs().max() > 0
-    assert torch.equal(*moments)
+def files(trainer: Trainer) -> dict[str, bytes]:
+    """What a training that has run exports."""
+    with TemporaryDirectory() as folder:
+        trainer.export(Path(folder))
+        return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
 
 
-def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):
-    """Those of its first iterations do not come once more."""
-    rough = config(*TINY, "train/walking/disturbance=robust").train.walking.disturbance
-    changes = {"iterations": 1, "disturbance": rough}
-    fresh = Trainer(task(**changes), job(tmp_path)).env
-    trained(tmp_path, **changes)
-    one, other = (Trainer(task(**changes), job(tmp_path)).env for _ in range(2))
-    forward = one.agent.command[:, 0]
-    assert (forward != 0).sum() > 4  # the other commands are zero
-    assert not np.isin(forward[forward != 0], fresh.agent.command[:, 0]).any()
-    assert not np.isin(one.physics.masses, fresh.physics.masses).any()
-    np.testing.assert_array_equal(one.agent.command, other.agent.command)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_killed_training_gives_the_bytes_of_an_undisturbed_one(tmp_path, monkeypatch, kind):
+    """Killed in each of its chunks; each time another number of threads goes on."""
+    whole = Trainer(of_kind(kind), job(tmp_path / "whole"))
+    whole.run()
+    real, left = WalkingEnv.step, 0
+
+    def step(env: WalkingEnv, actions: torch.Tensor) -> tuple:
+        nonlocal left
+        left -= 1
+        if left == 0:
+            raise KeyboardInterrupt
+        return real(env, actions)
+
+    monkeypatch.setattr(WalkingEnv, "step", step)
+    for threads, moment in ((1, 5), (2, 2 * STEPS + 3), (1, 2 * STEPS + 3)):
+        left = moment
+        with pytest.raises(KeyboardInterrupt):
+            Trainer(of_kind(kind), job(tmp_path / "killed", threads)).run()
+    made = job(tmp_path / "killed", 2)
+    last = Run(Trainer(of_kind(kind), made), made)
+    last.trainer.run()
+    assert last.iterations == [4]
+    assert files(last.trainer) == files(whole)
 
 
 @pytest.mark.parametrize(
@@ -157,7 +176,7 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, start):
     assert {path.name for path in tmp_path.glob("*.damaged")} == {f"{n}.damaged" for n in damaged}
     run.trainer.run()
     assert len(run.rows(CURVE)) == run.checkpoint()["iteration"] == 3
-    assert made.volatile.get("resumed", False) is (start != "anew")
+    assert run.iterations[0] == (0 if start == "anew" else 1)
 
 
 def test_same_seed_same_policy(tmp_path):

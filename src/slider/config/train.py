@@ -131,7 +131,7 @@ class SelectionConfig(t.Group):
     """Periodic small evaluation that picks the checkpoint to keep."""
 
     interval: t.Count
-    """iterations between checks; a checkpoint is written at the same time"""
+    """iterations between checks, at which a checkpoint is written and all robots start again"""
     speeds: t.Distinct[t.Some[t.MetresPerSecond]]
     """forward velocities of the checks"""
     robots: t.Count

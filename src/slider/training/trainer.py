@@ -1,5 +1,10 @@
-"""Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
+"""Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best.
 
+A chunk starts from the checkpoint before it with new robots, buffers and random numbers, in the
+same process or, where that was killed, in another one: the result has the same bytes.
+"""
+
+import gc
 import hashlib
 import io
 import os
@@ -37,33 +42,44 @@ class Trainer:
     """
 
     def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] | None = None) -> None:
-        train = task.train
         set_up_torch()
-        self._task, self._job = task, job
+        self._task, self._job, self._simulate = task, job, simulate
         job.work.mkdir(parents=True, exist_ok=True)
-        self._checkpoint = read_checkpoint(job.work, job.progress)
-        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
+        self.selector = Selector(task, job.threads)
+        self._begin(read_checkpoint(job.work, job.progress))
+
+    def _begin(self, content: Mapping[str, Any]) -> None:
+        """Begin a chunk after a checkpoint, or the first one; all else follows from the seed."""
+        self._iteration, self._blow_ups = content.get("iteration", 0), content.get("blow_ups", 0)
+        self._best: dict[str, Any] = content.get("best", {})
+        self._history: list[dict[str, float]] = content.get("history", [])
+        self._curve: list[dict[str, float]] = content.get("curve", [])
+        train, job = self._task.train, self._job
+        seed = _noise_seed(train.seed, self._iteration)
         torch.manual_seed(seed)
-        own = replace(task, train=replace(train, seed=seed))
-        self.env = WalkingEnv(own, job.threads, simulate)
-        self._curve: list[dict[str, float]] = []
+        own = replace(self._task, train=replace(train, seed=seed))
+        self.env = WalkingEnv(own, job.threads, self._simulate)
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=train.device)
+        self._runner.current_learning_iteration = self._iteration
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
+        if content:
+            loaded = ("actor", "critic", "optimizer", "average")
+            self.algorithm.load(dict(content), dict.fromkeys(loaded, True), True)
+            self.env.restore_levels(content["terrain_levels"])
+            return
         with torch.no_grad():  # small first actions
             last = list(self.algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
             last.mul_(train.network.output_scale)
-        self.selector = Selector(task, job.threads)
-        self._iteration = 0
-        self._best: dict[str, Any] = {}
-        self._history: list[dict[str, float]] = []
 
     def start_from(self, weights: Path) -> None:
         """Initialise actor, critic and normalisers; the action noise keeps its initial size.
 
         Observations that did not vary in the other training, such as the commands of one that
-        stands, start with a standard deviation of 1.
+        stands, start with a standard deviation of 1. Without effect after a checkpoint.
         """
+        if self._iteration:
+            return
         content = torch.load(weights, weights_only=True)
         own = self.algorithm.get_policy().state_dict()
         noise = {k: v for k, v in own.items() if k.startswith("distribution.")}
@@ -73,25 +89,24 @@ class Trainer:
         self.algorithm.load(content, {"actor": True, "critic": True}, strict=True)
 
     def run(self) -> None:
-        """Train up to the configured number of iterations, resuming where a killed job was."""
-        if self._checkpoint:
-            self._resume(self._checkpoint)
+        """Train up to the configured number of iterations."""
         started, done_before = time.monotonic(), self._iteration
         total = self._task.train.iterations
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
-            self._runner.current_learning_iteration = self._iteration
             # a trained policy rarely falls: robots of one age would all be reset at once
-            self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
+            self._runner.learn(chunk, init_at_random_ep_len=self._iteration > 0)
             self._iteration += chunk
+            self._blow_ups += int(self.env.diverged)
             self.env.physics.check()
             score = self._check()
-            self._save_checkpoint()
+            self._begin(self._save_checkpoint())
+            gc.collect()  # robots of the last chunk, which refer to each other
             pace = (time.monotonic() - started) / (self._iteration - done_before)
             self._report(score, pace)
         if not self._best:
             self._check()
-        self._job.volatile["blow_ups"] = int(self.env.diverged)
+        self._job.volatile["blow_ups"] = self._blow_ups
 
     def _check(self) -> Score:
         """Score the current policy; remember it if it is the best so far."""
@@ -122,10 +137,11 @@ class Trainer:
             + (f", {error}" if score.success > 0 else "")
         )
 
-    def _save_checkpoint(self) -> None:
+    def _save_checkpoint(self) -> dict[str, Any]:
         content = {
             **self.algorithm.save(),
             "iteration": self._iteration,
+            "blow_ups": self._blow_ups,
             "best": self._best,
             "history": self._history,
             "curve": self._curve,
@@ -134,15 +150,7 @@ class Trainer:
         write_checkpoint(content, self._job.work)
         for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
             leftover.unlink()
-
-    def _resume(self, content: Mapping[str, Any]) -> None:
-        loaded = ("actor", "critic", "optimizer", "average")
-        self.algorithm.load(dict(content), dict.fromkeys(loaded, True), True)
-        self._iteration = content["iteration"]
-        self._best, self._history = content["best"], content["history"]
-        self._curve[:] = content["curve"]
-        self.env.restore_levels(content["terrain_levels"])
-        self._job.volatile["resumed"] = True
+        return content
 
     def export(self, out: Path) -> dict[str, Any]:
         """Write the best policy and its weights; return facts for the manifest."""
@@ -183,11 +191,7 @@ def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tens
 
 
 def _noise_seed(seed: int, iteration: int) -> int:
-    """Of networks, environments and noise from an iteration on.
-
-    The states of environments and generators are not in a checkpoint: a resumed training goes on
-    with other noise, rather than with that of its first iterations once more.
-    """
+    """Of networks, environments and noise of a chunk, by its first iteration."""
     if iteration == 0:
         return seed
     return int(np.random.SeedSequence([seed, iteration]).generate_state(1)[0])

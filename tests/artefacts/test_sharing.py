@@ -162,7 +162,7 @@ def named(*names: str, size: int = 0) -> Callable[[Path], object]:
     """Let a manifest list files of such names."""
     table = {name: files.FileFacts(files.digest_text(""), size) for name in names}
     plain = {name: {"sha256": facts.sha256, "size": size} for name, facts in table.items()}
-    result = {"object": files.digest_table(table), "files": plain, "summary": {}, "resumed": False}
+    result = {"object": files.digest_table(table), "files": plain, "summary": {}}
     return partial(forge, result=result)
 
 

@@ -35,7 +35,6 @@ def library(section, inputs, out, job):
 
 def walking(section, inputs, out, job):
     checkpoint = job.work / "checkpoint.txt"
-    job.volatile["resumed"] = checkpoint.is_file()
     checkpoint.write_text("half")
     (out / "policy.txt").write_text((inputs["library"][0] / "library.txt").read_text() + " walked")
     return {}

@@ -38,14 +38,14 @@ def test_counts_what_this_pipeline_run_computed():
         "library": [origin("library", "c")],
         "another": [origin("library", "c")],  # a result that two sections use
     }
-    times = {name: [facts(OLD, "3333", dirty="true", resumed=True)] for name in origins}
+    times = {name: [facts(OLD, "3333", dirty="true")] for name in origins}
     times["table1.evaluations"] = [facts(NEW, "1111"), facts(NEW, "2222", computed=False)]
     rows, text = section(origins, times)
     assert "commit `beefbeef+`" in text
-    assert [row[:4] for row in rows] == [
-        ["gait library", "1", "0", "1"],
-        ["evaluation of the policy", "1", "1", "0"],
-        ["evaluation of the baselines", "1", "0", "0"],
+    assert [row[:3] for row in rows] == [
+        ["gait library", "1", "0"],
+        ["evaluation of the policy", "1", "1"],
+        ["evaluation of the baselines", "1", "0"],
     ]
     assert rows[0][-1] == "33333333+"
     assert "Machine: one." in text

@@ -11,22 +11,17 @@ from slider.core import files
 from slider.core.errors import UserError
 from slider.core.files import FileTable
 
-SCHEMA = 3
+SCHEMA = 4
 _LONGEST_NAME = 255  # bytes, which every file system allows
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a stage produced: the object, its files and a few deterministic facts.
-
-    ``resumed`` is the only trace of a run's history here: a training that was resumed from a
-    checkpoint is not bit-equal to an uninterrupted one.
-    """
+    """What a stage produced: the object, its files and a few deterministic facts."""
 
     object: str
     files: FileTable
     summary: dict[str, Any]
-    resumed: bool = False
 
     @property
     def size(self) -> int:

@@ -93,8 +93,7 @@ class Runner:
                     function = _load(spec)
                     gc.freeze()  # what was imported stays: no need to look at it each time
                     summary = function(section, inputs, folder, job)
-                resumed = bool(job.volatile.get("resumed", False))
-                result = self.store.publish(out, summary, resumed)
+                result = self.store.publish(out, summary)
         except BaseException:
             if isinstance(job.tracker, JournalTracker):
                 job.tracker.end(FAILED, {})
@@ -147,7 +146,7 @@ class Runner:
         noted = {f"volatile/{name}": value for name, value in _numbers(volatile).items()}
         tracker.log_metrics(summary | noted, 0)
         path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
-        tags = {"object": result.object, "object.path": path, "resumed": str(result.resumed)}
+        tags = {"object": result.object, "object.path": path}
         names = sorted({name.partition("/")[0] for name in result.files})
         lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
         lines += [f"Result, below `{self.store.root.name}/`:", ""]

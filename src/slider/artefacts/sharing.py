@@ -181,7 +181,7 @@ def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | D
             return shared and (shared, 0)
         result = shared[0].result
         with _received(store, shared[0], remote) as content:
-            store.publish(content, result.summary, result.resumed)
+            store.publish(content, result.summary)
         return shared, result.size
     except DamageError as error:
         return error

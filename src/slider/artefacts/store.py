@@ -53,7 +53,7 @@ class Store:
         return self.root / stage / f"{recipe}.json"
 
     def sidecar_path(self, stage: str, recipe: str) -> Path:
-        """File with what differs from run to run: times, load, whether it was resumed."""
+        """File with what differs from run to run: times, load."""
         return self.root / stage / f"{recipe}.run.json"
 
     def facts(self, stage: str, recipe: str) -> dict[str, Any]:
@@ -91,10 +91,10 @@ class Store:
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
-    def publish(self, folder: Path, summary: dict[str, Any], resumed: bool = False) -> Result:
+    def publish(self, folder: Path, summary: dict[str, Any]) -> Result:
         """Rename a finished folder of this file system atomically to the place of its content."""
         table = files.file_table(folder)
-        result = Result(files.digest_table(table), table, files.plain(summary), resumed)
+        result = Result(files.digest_table(table), table, files.plain(summary))
         for name in table:
             (folder / name).chmod(0o444)
         folder.chmod(0o755)  # mkdtemp makes it private

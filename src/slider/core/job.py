@@ -48,8 +48,7 @@ class Job:
         threads: processor threads the job may use.
         tracker: records metrics and tables.
         progress: shows one line to the person who waits.
-        volatile: facts that differ between runs, such as times; kept outside the manifest, but for
-            ``resumed``: true marks the result as continued from a checkpoint.
+        volatile: facts that differ between runs, such as times; kept outside the manifest.
         cache: folder that jobs of the same source share, of what may be deleted at any time.
         waiting: jobs of the stage whose results the plan still lacks, this one among them.
         input_volatile: for each name in ``inputs``, the volatile facts of those stages in the same

@@ -73,7 +73,7 @@ def _table(
     jobs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any], Path]], started: str | None
 ) -> pd.DataFrame:
     """A row per result, each once, by stage; computed now: by the run that builds the page."""
-    nothing = {"machine": _UNKNOWN, "resumed": False, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
+    nothing = {"machine": _UNKNOWN, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
     rows = [
         {
             **nothing,
@@ -106,10 +106,10 @@ def stage_title(stage: str) -> str:
 
 
 def _stages(table: pd.DataFrame) -> Table:
-    heads = ["stage", "jobs", "computed now", "resumed", "wall time [s]", "CPU time [s]"]
+    heads = ["stage", "jobs", "computed now", "wall time [s]", "CPU time [s]"]
     body = []
     for stage, jobs in table.groupby("stage", sort=False):
-        counts = (len(jobs), sum(jobs["now"].tolist()), sum(jobs["resumed"].tolist()))
+        counts = (len(jobs), sum(jobs["now"].tolist()))
         times = (sum(jobs[name].tolist()) for name in ("wall_s", "cpu_s"))
         ended = max(jobs["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
         body.append(

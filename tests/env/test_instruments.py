@@ -20,7 +20,14 @@ from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
 from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import JOINTS, config, make_physics, random_pose, robot_config
+from tests.env.synthetic import (
+    JOINTS,
+    config,
+    disturbed_physics,
+    make_physics,
+    random_pose,
+    robot_config,
+)
 
 COUNT = 5
 
@@ -66,6 +73,19 @@ def test_a_foot_is_as_deep_as_its_lower_end():
         np.cos(0.01) - 1.0
     )
     np.testing.assert_allclose(found, [0.003 + tilted, 0.003], atol=1e-7)
+
+
+def test_soles_give_way_by_a_millimetre_on_every_ground():
+    """A robot that stands, on flat ground and on a level terrain."""
+    start = nominal_qpos(robot_config())[None], np.zeros((1, 18))
+    terrain = "terrain={kinds: [slope_up], level: {lower: 0.0, upper: 0.0}}"
+    depths = []
+    for physics in (make_physics(1), disturbed_physics(1, terrain)):
+        physics.reset(np.arange(1), *start)
+        for _ in range(100):
+            physics.step(start[0][:, 7:])
+        depths.append(1e3 * physics.contacts().depths.mean())
+    assert 0.2 < min(depths) and max(depths) < 2.0, depths
 
 
 def test_distance_of_legs_by_closed_forms():

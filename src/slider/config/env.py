@@ -10,9 +10,22 @@ from pydantic import Field
 
 from slider.config import types as t
 
+_Impedance = Annotated[t.Share, Field(gt=0, lt=1)]
+
+
+class SoleContact(t.Group):
+    """Softness of the feet on the ground, as MuJoCo's ``solref`` and ``solimp`` have it."""
+
+    time_constant: t.Positive[t.Seconds]
+    """in which a foot that has sunk in comes up, critically damped; two timesteps or more"""
+    impedance: tuple[_Impedance, _Impedance]
+    """share of a foot's acceleration that is taken away: at the surface and at ``depth``"""
+    depth: t.Positive[t.Metres]
+    """at which the impedance is the second one"""
+
 
 class PhysicsConfig(t.Group):
-    """Simulation step, its repetitions per control step, and solver iterations."""
+    """Simulation step, its repetitions per control step, solver iterations and contact."""
 
     timestep: t.Positive[t.Seconds]
     substeps: Annotated[t.Count, Field(le=1000)]
@@ -21,6 +34,7 @@ class PhysicsConfig(t.Group):
     """greatest number of iterations of the contact solver"""
     line_search_iterations: Annotated[t.Count, Field(le=10_000)]
     """greatest number of iterations of its line search"""
+    contact: SoleContact
 
 
 class ActionConfig(t.Group):

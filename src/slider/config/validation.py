@@ -127,9 +127,14 @@ def _robot(robot: RobotConfig) -> None:
 
 def _env(env: EnvConfig) -> None:
     """Steps that fill the control period, and a clock where something needs it."""
-    period = env.physics.timestep * env.physics.substeps
+    timestep = env.physics.timestep
+    period = timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
+    settling = env.physics.contact.time_constant
+    expected = f"two timesteps ({2 * timestep} s) or more, as MuJoCo needs"
+    possible = settling > 2 * timestep - 1e-9
+    require(possible, "env.physics.contact.time_constant", expected, settling)
     require(env.onboard is not None, "env.onboard", "sensors and estimator", "none")
     _complete("env.action.scale", env.action.scale, HIP_JOINTS + BELOW_HIP)
     offset, phase = env.action.offset, env.phase

@@ -98,11 +98,7 @@ def write_files(
     save_onnx(policy.network, layout, out / ONNX)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
     np.save(out / REFERENCE, reference_table(policy).positions)
-    physics = policy.env.physics
-    options = SimulationOptions(
-        physics.timestep, physics.solver_iterations, physics.line_search_iterations
-    )
-    spec = build_spec(policy.robot, options)
+    spec = build_spec(policy.robot, SimulationOptions.of(policy.env.physics))
     (out / MODEL).write_text(_with_all_digits(spec, policy.robot), encoding="utf-8")
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)

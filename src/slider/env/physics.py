@@ -63,13 +63,7 @@ class BatchedPhysics:
         instruments: bool = True,
         onboard: OnboardConfig | None = None,
     ) -> None:
-        options = SimulationOptions(
-            config.timestep,
-            config.solver_iterations,
-            config.line_search_iterations,
-            actuation=actuation,
-            instruments=instruments,
-        )
+        options = SimulationOptions.of(config, actuation=actuation, instruments=instruments)
         # Write no log file: blow-ups are detected, counted and ended here.
         mujoco.set_mju_user_warning(lambda message: None)
         _stop_timers()

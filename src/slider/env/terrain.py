@@ -78,7 +78,7 @@ def _stud(spec: mujoco.MjSpec, side: str) -> None:
         stud.pos = (1 - share) * start + share * end
         stud.contype, stud.conaffinity = line.contype, line.conaffinity
         stud.friction, stud.priority = line.friction, line.priority
-        stud.solref = [2.0 * spec.option.timestep, 1.0]  # sunk in, a sphere leaves a box sideways
+        stud.solref, stud.solimp = line.solref, line.solimp
     line.contype, line.conaffinity = 0, 0
     sensor = spec.sensor(f"{side}_foot_force")
     sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, body.name

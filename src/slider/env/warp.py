@@ -67,12 +67,7 @@ class WarpPhysics:
         actuation: Actuation = "position",
         rows: int = ROWS,
     ) -> None:
-        options = SimulationOptions(
-            config.timestep,
-            config.solver_iterations,
-            config.line_search_iterations,
-            actuation=actuation,
-        )
+        options = SimulationOptions.of(config, actuation=actuation)
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)

@@ -67,10 +67,10 @@ def quality_row(evaluation: Evaluation, reference: Reference | None = None) -> R
     """How the robots that survive walk; NaN where none survived.
 
     Means over robots, but for extremes, which are those of all robots: ``penetration_max``,
-    ``peak_effort``, ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean of the robots'
-    largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
-    the shares of robots whose legs ever touch or cross. Given a ``reference``, the gait's own
-    numbers are beside the controller's, as ``reference_NAME``; NaN without one.
+    ``peak_effort``, ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean
+    of the robots' largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and
+    ``robots_cross`` are the shares of robots whose legs ever touch or cross. Given a ``reference``,
+    the gait's own numbers are beside the controller's, as ``reference_NAME``; NaN without one.
     """
     row = named(evaluation) | {"speed": evaluation.speed}
     gait = reference(evaluation.speed) if reference and evaluation.speed is not None else None

@@ -14,11 +14,12 @@ base. Everything else collides with the ground alone.
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
 
+from slider.config.env import PhysicsConfig, SoleContact
 from slider.config.robot import LINKS, Geometry, LegJoint, Link, RobotConfig
 from slider.robot import names
 from slider.robot.transmission import Transmission, by_motor
@@ -43,7 +44,8 @@ class SimulationOptions:
 
     ``actuation`` is ``position`` (input: motor angles [rad], PD on board) or ``torque`` (input:
     motor torques [N m]); limits, inertia and damping are the same. ``instruments`` adds sensors
-    that only metrics read: of heels and toes, and of the distance of the legs.
+    that only metrics read: of heels and toes, and of the distance of the legs. Without ``contact``
+    the feet's softness is MuJoCo's default.
     """
 
     timestep: float = 0.005
@@ -51,6 +53,13 @@ class SimulationOptions:
     line_search_iterations: int = 8
     actuation: Actuation = "position"
     instruments: bool = False
+    contact: SoleContact | None = None
+
+    @classmethod
+    def of(cls, physics: PhysicsConfig, **others: Any) -> "SimulationOptions":
+        """Those of a configuration, with ``actuation`` and ``instruments``."""
+        settings = physics.timestep, physics.solver_iterations, physics.line_search_iterations
+        return cls(*settings, contact=physics.contact, **others)
 
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
@@ -86,7 +95,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     floor.contype, floor.conaffinity = _GROUND
     base = _add_base(spec, robot)
     for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
-        _add_leg(base, robot, side, sign)
+        _add_leg(base, robot, side, sign, options.contact)
     for first, second in (*names.LEG_PAIRS, *names.BASE_PAIRS):
         pair = spec.add_pair(name=f"{first}_{second}", geomname1=first, geomname2=second, condim=3)
         pair.friction[:2] = robot.contact.friction
@@ -121,7 +130,9 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
     return base
 
 
-def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -> None:
+def _add_leg(
+    base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float, contact: SoleContact | None
+) -> None:
     geometry, capsule, parent = robot.geometry, mujoco.mjtGeom.mjGEOM_CAPSULE, base
     bodies, *_, (_, knee, _, _), (_, ankle, leftward, _) = {}, *geometry.leg(sign)
     for joint in geometry.leg(sign):
@@ -146,6 +157,9 @@ def _add_leg(base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float) -
     foot, height = bodies["ankle"], geometry.ankle_height - geometry.foot_radius
     line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
     line.friction = [robot.contact.friction, 0.005, 0.0001]
+    if contact is not None:
+        line.solref[0] = contact.time_constant
+        line.solimp[:3] = [*contact.impedance, contact.depth]
     line.priority = 1  # the foot's friction counts, not the floor's
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
     # After the foot: MuJoCo numbers joints in this order, that of joint_names.

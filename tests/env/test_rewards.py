@@ -87,6 +87,14 @@ HAND = {  # term → (quantities of state and view, parameters, value)
         {"loaded": 5.0, "width": 0.5},
         1 - np.exp(-0.25 / 0.5),
     ),
+    "soft_landing": (  # the right foot comes down more slowly than is asked for
+        {
+            "foot_velocities": [[3.0, 0.0, -1.0], [0.0, 0.0, -0.3]],
+            "foot_positions": [[0.0, 0.1, 0.03], [0.0, -0.1, 0.03]],
+        },
+        {"speed": 0.4, "height": 0.06},
+        0.6 * np.exp(-0.5),
+    ),
     "airborne": ({"foot_forces": [0.9, 0.2]}, {"unloaded": 1.0}, 1.0),
     "feet_close": (  # a robot that looks along y: left is −x
         {"foot_positions": [[-0.02, 0.3, 0.0], [0.01, 0.0, 0.0]], "yaw": np.pi / 2},

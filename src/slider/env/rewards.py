@@ -282,6 +282,21 @@ def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> Arra
 
 
 @reward()
+def soft_landing(
+    r: RewardView, speed: NonNegative[MetresPerSecond], height: Positive[Metres]
+) -> Array:
+    """Σ over feet of exp(−z/height)·max(v − speed, 0) [m/s].
+
+    z and v are height above the ground and downward speed of the sole: those of a foot that is
+    about to land.
+    """
+    soles = r.state.foot_positions
+    above = soles[..., 2] - r.state.ground.height(soles[..., :2], gaps=False)
+    excess = (-r.state.foot_velocities[..., 2] - speed).clip(min=0.0)
+    return ((-above.clip(min=0.0) / height).exp() * excess).sum(dim=1)
+
+
+@reward()
 def airborne(r: RewardView, unloaded: Newtons) -> Array:
     """1 where both feet carry less than ``unloaded``."""
     free = r.state.foot_forces < unloaded

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from mkdocs.structure.files import File
 
-from slider.config.compose import compose
+from slider.composition.compose import compose
 from slider.config.reference import OPTIONAL, page
 from slider.env.terms import parameter_types
 

@@ -22,7 +22,7 @@ from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
 from slider.artefacts.sharing import pull
 from slider.artefacts.store import ARTEFACTS, Store
-from slider.config.compose import compose
+from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.core import environment

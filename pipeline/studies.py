@@ -14,7 +14,7 @@ from pipeline.stages.entries import job
 from pipeline.stages.evaluation import evaluations_of
 from pipeline.stages.gaits import gait, gait_section, library_job
 from slider.artefacts.plan import JobSpec
-from slider.config.compose import compose
+from slider.composition.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled

@@ -15,7 +15,7 @@ from slider.artefacts.recipe import Code
 from slider.artefacts.runner import limit_threads
 from slider.artefacts.store import Store
 from slider.cli import main
-from slider.config import compose as composing
+from slider.composition import compose as composing
 from slider.core import machine
 from tests import shared
 

@@ -13,7 +13,7 @@ from slider.artefacts.recipe import closure
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (
     *("robot", "gait", "library", "hzd", "verification", "env", "control", "training"),
-    *("evaluation", "reports", "play", "commands"),
+    *("evaluation", "reports", "play", "composition", "commands"),
 )
 GROUND = {"core", "config", "artefacts", "tracking"}
 ALLOWED = {
@@ -54,12 +54,12 @@ def test_modules_import_only_to_their_left():
     assert found == []
 
 
-def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake():
+def test_only_the_composition_knows_hydra_and_nothing_knows_snakemake():
     for path in MODULES:
         packages = {target.partition(".")[0] for target in imports(path)}
         assert not packages & {"snakemake", "pipeline"}, path
         name = path.relative_to(SOURCE / "slider").as_posix()
-        if not name.startswith("config/") and name != "commands/config.py":
+        if not name.startswith("composition/") and name != "commands/config.py":
             assert not packages & {"hydra", "omegaconf"}, path
 
 

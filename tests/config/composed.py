@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.config.compose import compose
+from slider.composition.compose import compose
 from slider.config.schema import Config
 from slider.core.errors import UserError
 

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from slider.artefacts.plan import JobSpec
-from slider.config.compose import compose
+from slider.composition.compose import compose
 from slider.config.control import PAPER_LABELS
 from slider.config.convert import to_dict
 from slider.reports.table1 import paper_rows

@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Print YAML that shows every value, or a table of keys."""
     from omegaconf import OmegaConf
 
-    from slider.config.compose import compose
+    from slider.composition.compose import compose
     from slider.config.convert import to_dict
     from slider.config.reference import Entry, entries, matching
     from slider.env.terms import checked, parameter_types

@@ -136,7 +136,7 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     Raises:
         UserError: there is no such agent, policy or library, or they contradict each other.
     """
-    from slider.config.compose import compose
+    from slider.composition.compose import compose
     from slider.control import POLICY_FILE
     from slider.env.terms import checked
     from slider.library.choose import current_gaits, library_path

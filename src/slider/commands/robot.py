@@ -10,14 +10,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from slider.config.compose import compose
-from slider.config.model_file import ModelFile
+from slider.composition.compose import compose
+from slider.composition.robot_file import read_option
 from slider.config.parameters import parameters
 from slider.config.robot import RobotConfig
-from slider.config.robot_file import read_option
 from slider.core.errors import require
 from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
+from slider.robot.model_file import ModelFile
 from slider.robot.transmission import Transmission
 
 _SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length

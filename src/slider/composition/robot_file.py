@@ -20,20 +20,16 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
-from slider.config.model_file import ModelFile, read_model
 from slider.config.parameters import tag
 from slider.core.confined import confined
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
+from slider.robot.model_file import ModelFile, read_model
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
 """Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
-_PARTS = {
-    "capstan": ("capstan", "drives.capstan", "gains.capstan"),
-    "virtual_knee": ("virtual_knee",),
-}
 
 
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
@@ -67,17 +63,16 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
 
 
 def without_absent(robot: Any) -> None:
-    """Drop drive, gains and tags of a capstan, tags of a virtual knee, from a robot without them.
+    """Drop drives, gains and tags of what is null, such as a capstan, from a robot without it.
 
     They come from the robot that a file builds on: no file can delete a key.
     """
     if not isinstance(robot, dict):
         return
-    absent = (keys for name, keys in _PARTS.items() if robot.get(name, "") is None)
-    gone = tuple(f"{key}." for keys in absent for key in keys)
-    for name, prefix in (("drives", "drives."), ("gains", "gains."), ("provenance", "")):
+    absent = {name for name, value in robot.items() if value is None}
+    for name in ("drives", "gains", "provenance"):
         if isinstance(values := robot.get(name), dict):
-            kept = {k: v for k, v in values.items() if not f"{prefix}{k}.".startswith(gone)}
+            kept = {k: v for k, v in values.items() if absent.isdisjoint(str(k).split("."))}
             robot[name] = kept
 
 
@@ -111,7 +106,7 @@ def _path(text: str) -> Path | None:
 
 def _read(path: Path) -> tuple[dict[str, Any], ModelFile | None]:
     """Values of a robot's file, and what its model file gives."""
-    found = confined("slider.config.robot_file:read", path.absolute())
+    found = confined("slider.composition.robot_file:read", path.absolute())
     return found["values"], ModelFile(**found["model"]) if found["model"] else None
 
 

@@ -12,13 +12,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from slider.cli import main
+from slider.composition.robot_file import read
 from slider.config.convert import to_dict
-from slider.config.model_file import read_model
 from slider.config.parameters import parameters
 from slider.config.robot import LINKS, RobotConfig
-from slider.config.robot_file import read
 from slider.core.errors import UserError
 from slider.robot.mjcf import SimulationOptions, build_spec
+from slider.robot.model_file import read_model
 from tests.config.composed import CONF, composed, refusal
 from tests.robot.lopsided import kneed, lopsided, turned
 

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import from_dict
-from slider.config.model_tree import (
+from slider.config.robot import LEAST_BEND, LINKS, TILTS, Body
+from slider.core.errors import require
+from slider.robot.model_tree import (
     ABSENT,
     AXES,
     MAX_DIFFERENCE,
@@ -22,8 +24,6 @@ from slider.config.model_tree import (
     relative,
     rounded,
 )
-from slider.config.robot import LEAST_BEND, LINKS, TILTS, Body
-from slider.core.errors import require
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
 _MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis [m]

@@ -22,9 +22,9 @@ from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
+from slider.composition.robot_file import malformed, store_robot, without_absent
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
-from slider.config.robot_file import malformed, store_robot, without_absent
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError

@@ -1,0 +1,1 @@
+"""From ``conf/``, overrides and robots' files to a checked configuration: all that knows Hydra."""

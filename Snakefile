@@ -12,12 +12,13 @@ sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
 from pipeline.console import Console
-from pipeline.entry import cancel_rest, open_pipeline
+from pipeline.entry import cancel_rest, end_as_by_ctrl_c, open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
 
 
+end_as_by_ctrl_c()
 CONSOLE = Console(workflow)
 PIPELINE = open_pipeline(
     config,

@@ -86,7 +86,8 @@ class Console:
         try:
             yield
         except Exception:
-            traceback.print_exc()
+            with suppress(OSError):  # of a terminal that was closed
+                traceback.print_exc()
             if self.progress is not None:
                 self.progress.close()
             self.progress = None
@@ -106,7 +107,8 @@ class Console:
         if event in _OF_A_RUN:
             return self.workflow.dryrun
         if event == LogEvent.ERROR and (ended := _ENDED.search(record.getMessage())):
-            self._show_end(**ended.groupdict())
+            with self._guarded():
+                self._show_end(**ended.groupdict())
             return False
         end = _AT_THE_END if self.succeeded else ()
         return not record.getMessage().startswith((*_TEXTS, *end))

@@ -189,6 +189,13 @@ class Pipeline:
             self.session.finish(tracking.FINISHED if succeeded else tracking.FAILED)
 
 
+def end_as_by_ctrl_c() -> None:
+    """Let SIGTERM and a hang-up raise ``KeyboardInterrupt``: else Snakemake's lock stays behind."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_DFL:  # not under nohup
+            signal.signal(number, signal.default_int_handler)
+
+
 def cancel_rest(workflow: Any) -> None:
     """Cancel cluster jobs that Snakemake lost: submitted or asked about when it is interrupted.
 

@@ -77,12 +77,17 @@ def test_a_killed_search_goes_on_to_the_same_trials(tmp_path, monkeypatch):
 
 
 def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
-    """After ten random trials the Gaussian process comes close, in the same way from a seed."""
+    """After ten random trials the Gaussian process comes close, in the same way after a kill."""
+    killed = iter([False] * 12 + [True] + [False] * 99)
 
     def bowl(*arguments):
+        if next(killed):
+            raise KeyboardInterrupt
         return {}, (arguments[-1]["step.apex"] - 0.0778) ** 2
 
     monkeypatch.setattr(tuning, "_measure", bowl)
+    with pytest.raises(KeyboardInterrupt):
+        search(tmp_path / "a", "out", trials=14)
     one, two = (search(tmp_path / name, "out", trials=14) for name in "ab")
     pd.testing.assert_frame_equal(one, two)
     assert abs(one["step.apex"][-2:] - 0.0778).max() < 0.001

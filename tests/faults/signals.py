@@ -36,7 +36,7 @@ OVERRIDES = (
     # One checkpoint at the end: a training that goes on from another has other bytes.
     *("train.walking.iterations=12", "train.walking.selection.interval=12"),
     *("evaluation.duration=3", "evaluation.robots=20"),
-    *("tuning.trials=12", "tuning.finalists=2", "tuning.finalist_robots=4"),
+    *("tuning.trials=4", "tuning.finalists=2", "tuning.finalist_robots=4"),
 )
 
 

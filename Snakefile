@@ -4,13 +4,16 @@ import os
 import sys
 from pathlib import Path
 
-# The source beside this file, whatever is installed; as for the jobs, no PYTHONPATH.
+# The source beside this file, whatever is installed; as for the jobs, no PYTHONPATH. Of this
+# folder only one package: a yaml.py is not what the installed ones mean.
 FOREIGN = {
-    *map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").split(":")))
+    workflow.basedir,
+    *map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").split(":"))),
 }
-sys.path[:] = [path for path in sys.path if path not in FOREIGN]
-sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
+sys.path[:] = [workflow.basedir, *(path for path in sys.path if path not in FOREIGN)]
+import pipeline
 
+sys.path[0] = f"{workflow.basedir}/src"
 from pipeline.console import Console
 from pipeline.entry import cancel_rest, end_as_by_ctrl_c, open_pipeline
 
@@ -46,7 +49,7 @@ include: "pipeline/rules/reports.smk"
 
 onstart:
     PIPELINE.start(workflow)
-    CONSOLE.open(PIPELINE.plan, PIPELINE.store)
+    CONSOLE.open(PIPELINE.plan, PIPELINE.store, PIPELINE.tracking)
 
 
 onsuccess:

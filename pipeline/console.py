@@ -21,6 +21,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
+from slider.tracking import Tracking
 
 _EVENTS = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS)
 _OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # of a dry run they are the answer
@@ -51,6 +52,7 @@ class Console:
 
     workflow: Any
     progress: Progress | None = None
+    tracking: Tracking | None = None
     succeeded: bool = False
 
     def __post_init__(self) -> None:
@@ -59,9 +61,10 @@ class Console:
         logger.addFilter(self._is_news)
         _keep_reasons()
 
-    def open(self, plan: Plan, store: Store) -> None:
-        """Begin to show the progress of the jobs that Snakemake is about to run."""
+    def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
+        """Begin to show and to track the jobs that Snakemake is about to run."""
         with self._guarded():
+            self.tracking = tracking
             jobs = self.workflow.dag.needrun_jobs()
             self._recipes = {
                 job.jobid: job.wildcards.recipe for job in jobs if hasattr(job.wildcards, "recipe")
@@ -96,12 +99,17 @@ class Console:
         event = getattr(record, "event", None)
         with self._guarded():
             _explain(event, vars(record), remote=not self.workflow.local_exec)
-            jobs = getattr(record, "jobs", None) or [getattr(record, "job_id", None)]
+            names = ("jobs", "job_id", "jobid")  # of jobs that started, ended, failed
+            jobs = next((vars(record)[name] for name in names if name in vars(record)), [])
+            jobs = jobs if isinstance(jobs, list) else [jobs]
             for recipe in [self._recipes[job] for job in jobs if job in self._recipes]:
-                if event == LogEvent.JOB_STARTED and self.progress is not None:
-                    self.progress.began(recipe)
-                elif event == LogEvent.JOB_FINISHED and self.progress is not None:
-                    self.progress.ended(recipe)
+                for follower in filter(None, (self.tracking, self.progress)):
+                    if event == LogEvent.JOB_STARTED:
+                        follower.began(recipe)
+                    elif event == LogEvent.JOB_FINISHED:
+                        follower.ended(recipe)
+                    elif event == LogEvent.JOB_ERROR:
+                        follower.failed(recipe)
         if event in _EVENTS:
             return False
         if event in _OF_A_RUN:

@@ -29,7 +29,7 @@ from slider.core import environment
 from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
-from slider.tracking import journal as tracking
+from slider.tracking import Tracking
 
 OPTION, PLAN = "hydra", "plan"  # of --config; the latter is for the jobs of a cluster
 _TITLE = 80  # characters
@@ -69,7 +69,7 @@ class Pipeline:
     store: Store
     conf: Path
     cores: int | None = None
-    session: tracking.Session | None = None
+    tracking: Tracking | None = None
 
     @property
     def reports(self) -> dict[str, tuple[str, ...]]:
@@ -148,7 +148,7 @@ class Pipeline:
 
     @one_line()
     def start(self, workflow: Any) -> None:
-        """Begin this pipeline run; open a session of tracking, if it is enabled.
+        """Begin this pipeline run, and to track it, if that is enabled.
 
         On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
         of the head, and let SIGTERM do as Ctrl-C does: Snakemake alone would wait for running jobs.
@@ -162,17 +162,18 @@ class Pipeline:
             settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
             signal.signal(signal.SIGTERM, signal.default_int_handler)
         self._forget_forced(workflow.dag)
-        artefacts, overrides = self.store.root, " ".join(self.overrides)
-        note_start(artefacts, self.overrides)
-        tracking.stop(artefacts)
+        note_start(self.store.root, self.overrides)
         if self.config.tracking.enabled:
-            experiment = self.config.tracking.experiment
-            tags = {_TAGS[name]: value for name, value in revision().items()}
-            apart = {"gait": f"{experiment}-gaits"}
-            info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
-            name = f"pipeline {overrides}".strip()[:_TITLE]
-            own = {"plan": self.plan_path.stem, "overrides": overrides}
-            self.session = tracking.start(artefacts, info, name, own, to_dict(self.config))
+            overrides = " ".join(self.overrides)
+            self.tracking = Tracking(
+                self.store,
+                self.plan,
+                self.config.tracking.experiment,
+                name=f"pipeline {overrides}".strip()[:_TITLE],
+                params=to_dict(self.config),
+                tags={"plan": self.plan_path.stem, "overrides": overrides},
+                common={_TAGS[name]: value for name, value in revision().items()},
+            )
 
     def _forget_forced(self, dag: Any) -> None:
         """Let jobs that ``-R``, ``-f`` or ``-F`` names compute anew, not reuse their results."""
@@ -184,9 +185,11 @@ class Pipeline:
                     self.store.index_path(manifest.key).unlink(missing_ok=True)
 
     def finish(self, succeeded: bool) -> None:
-        """Close the session of this pipeline run."""
-        if self.session is not None:
-            self.session.finish(tracking.FINISHED if succeeded else tracking.FAILED)
+        """Wait until MLflow has this pipeline run."""
+        if self.tracking is not None:
+            self.tracking.finish(succeeded)
+            if self.tracking.error is not None:
+                _print(f"MLflow misses part of this run: {self.tracking.error}")
 
 
 def end_as_by_ctrl_c() -> None:

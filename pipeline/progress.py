@@ -7,11 +7,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime
 from typing import Any
 
 from slider.artefacts.forecast import expected, remembered
 from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
@@ -75,14 +75,16 @@ class Progress:
             self._running.pop(recipe, None)
             self._line(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
 
+    def failed(self, recipe: str) -> None:
+        """A job failed."""
+        with self._lock:
+            self._running.pop(recipe, None)
+
     def _took(self, job: JobSpec) -> float | None:
         """Seconds of a computation of this run [s]; none where an earlier result was reused."""
         began = self._running.get(job.recipe, self._start)
         facts = self._store.facts(job.stage, job.recipe)
-        with suppress(ValueError, KeyError, TypeError):
-            if facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > began:
-                return float(facts["wall_s"])
-        return None
+        return computed_seconds(facts, began)
 
     def _line(self, text: str) -> None:
         """Write the jobs done, the share of the work, the time left, and a text."""
@@ -106,7 +108,7 @@ class Progress:
         for recipe in self._jobs.keys() - self._ended.keys():
             elapsed = now - self._running.get(recipe, now)
             done = share(self._message(recipe)) if elapsed else 0.0
-            expected = max(self._seconds[recipe] - elapsed, 0.0)
+            expected = max(self._seconds[recipe] - elapsed, 0.2 * elapsed)
             rests.append(elapsed * (1.0 - done) / done if done else expected)
         return rests
 

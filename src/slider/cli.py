@@ -33,7 +33,6 @@ COMMANDS = {
 INTERNAL = {
     "run": ("slider.commands.jobs:run", "run one job of a plan"),
     "publish": ("slider.commands.jobs:publish", "copy files of a result out of the store"),
-    "tracking": ("slider.commands.jobs:tracking", "bring journals to MLflow"),
 }
 """What the pipeline calls; no help lists it."""
 

@@ -1,7 +1,6 @@
 """The stage ``library``: what is stored, that it is the same every time, and what is refused."""
 
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import zarr
 
 from slider.config.convert import to_dict
 from slider.core.errors import UserError
-from slider.core.job import Job, NoTracker
+from slider.core.job import Job
 from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
 from tests.env.synthetic import CHANNELS
@@ -102,13 +101,3 @@ def test_xarray_finds_named_dimensions_and_coordinates(gaits, tmp_path: Path):
     np.testing.assert_array_equal(found, expected)
     assert data["efforts"].sel(joint="right_ankle").attrs["units"] == "N m, N (slide)"
     assert set(data.data_vars) == set(ARRAYS)
-
-
-def test_the_table_of_gaits_is_recorded_with_solve_times(gaits, tmp_path: Path):
-    tracker = Mock(NoTracker)
-    times = [{"solve_cpu": 0.5}, {"solve_cpu": 0.6}, {}]
-    job = Job(tmp_path, tracker=tracker, input_volatile={"gaits": times})
-    run(section(), {"gaits": gaits}, tmp_path / "out", job)
-    ((table, _),) = (call.args for call in tracker.log_table.call_args_list)
-    assert table["vx"] == [0.0, 0.5, 1.0]
-    assert table["solve_cpu"] == [0.5, 0.6, None]

@@ -9,7 +9,7 @@ from tensordict import TensorDict
 
 from slider.env.interface import FLOAT64
 from slider.env.vec_env import Task
-from slider.training.ppo import AnnealedPPO, TrackerLogWriter, with_reflections
+from slider.training.ppo import AnnealedPPO, MetricsWriter, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task, trained
@@ -18,7 +18,7 @@ from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task
 def test_one_call_per_step():
     notes = Notes()
     curve: list[dict[str, float]] = []
-    writer = TrackerLogWriter(notes, curve)
+    writer = MetricsWriter(notes, curve)
     for step in range(3):
         writer.add_scalar("Loss/value", 0.1 * step, step)
         writer.add_scalar("/reward/alive", 1.0, step)

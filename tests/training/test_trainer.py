@@ -13,7 +13,7 @@ from slider.config.train import TrainConfig
 from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
-from slider.core.job import Job, NoTracker
+from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score
@@ -46,13 +46,13 @@ CHECKED = "{0}.selection.robots=1 {0}.selection.duration=0.2 {0}.selection.warm_
 LEARNED = f"{{0}}.steps_per_iteration={STEPS} {{0}}.ppo.precision=float32"
 
 
-class Notes(NoTracker):
+class Notes:
     """Keeps the metrics that it is given."""
 
     def __init__(self) -> None:
         self.metrics: list[tuple[int, dict[str, float]]] = []
 
-    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
+    def __call__(self, metrics: Mapping[str, float], step: int) -> None:
         self.metrics.append((step, dict(metrics)))
 
     def series(self, name: str) -> list[tuple[int, float]]:
@@ -79,7 +79,7 @@ def of_kind(kind: str) -> Task:
 
 
 def job(work: Path, threads: int = 1) -> Job:
-    return Job(work, threads=threads, tracker=Notes())
+    return Job(work, threads=threads, log_metrics=Notes())
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Run:
 
     @property
     def notes(self) -> Notes:
-        return self.job.tracker
+        return self.job.log_metrics
 
     @property
     def iterations(self) -> list[int]:

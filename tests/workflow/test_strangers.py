@@ -20,6 +20,7 @@ FILES = {
     "matplotlibrc": "lines.color: red\naxes.facecolor: red\n",
     "ipopt.opt": "max_iter 1\n",
     **dict.fromkeys(("numpy.py", "random.py", "torch.py", "sitecustomize.py"), "1 / 0\n"),
+    **dict.fromkeys(("yaml.py", "flask.py", "sqlalchemy.py"), "1 / 0\n"),  # of MLflow
     # Others' builds of what the packages load, as after sourcing a ROS.
     **dict.fromkeys(("libcasadi.so.3.7", "libc10.so", "libmujoco.so.4.0.0"), "no library\n"),
     ".config/matplotlib/matplotlibrc": "axes.facecolor: red\n",
@@ -90,6 +91,7 @@ def test_a_stranger_computes_the_same_bytes(real, latin1, tmp_path):
     error = (workspace.folder / "error.txt").read_text(encoding="utf-8", errors="replace")
     assert done.returncode == 0, error
     assert "Traceback" not in error
+    assert "MLflow misses" not in error
     assert workspace.table.read_bytes() == real.table.read_bytes()
     for stage in STAGES:
         assert workspace.objects(stage) == real.objects(stage), stage

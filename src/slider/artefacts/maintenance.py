@@ -161,7 +161,7 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
     for path in store.root.glob("work/*/*"):
         if path.name not in recipes:
             shutil.rmtree(path)
-    noted = (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json"))
+    noted = (*store.root.glob("logs/*/*"), *store.root.glob("*/*.run.json"))
     _unlink(path for path in noted if path.name.partition(".")[0] not in recipes)
 
 

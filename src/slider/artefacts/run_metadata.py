@@ -3,9 +3,11 @@
 import os
 import shlex
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from slider.core import files
 
@@ -40,6 +42,14 @@ def _ask_git(*arguments: str) -> str:
 def now() -> str:
     """Time of this moment, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def computed_seconds(facts: Mapping[str, Any], since: float) -> float | None:
+    """Wall time of the computation of a result [s]; none where it ended before, or was reused."""
+    with suppress(ValueError, KeyError, TypeError):
+        if facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > since:
+            return float(facts["wall_s"])
+    return None
 
 
 def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:

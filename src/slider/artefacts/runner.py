@@ -3,14 +3,16 @@
 import copy
 import gc
 import importlib
+import json
+import logging
 import os
 import resource
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import chdir
+from contextlib import chdir, suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
 
 from slider.artefacts.forecast import kind, size
 from slider.artefacts.manifest import Manifest, Result
@@ -20,12 +22,12 @@ from slider.artefacts.run_metadata import now, run_metadata
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
 from slider.core.errors import UserError
-from slider.core.job import Job, NoTracker, StageFunction, Tracker
+from slider.core.job import Job, StageFunction
 from slider.core.machine import check_machine, machine
-from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
 
 Objects = Mapping[str, Sequence[str]]
 """Objects of the inputs by name."""
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -80,24 +82,19 @@ class Runner:
         job, name = self._job(spec), f"{spec.stage}-{spec.recipe[:12]}"
         for left in self.store.root.glob(f"tmp/{name}-*"):  # by a job that was killed
             shutil.rmtree(left, ignore_errors=True)
-        try:
-            with self.store.temporary(name) as out:
-                inputs = {
-                    name: [self.store.object_folder(digest).absolute() for digest in digests]
-                    for name, digests in objects.items()
-                }
-                section = copy.deepcopy(dict(spec.section))
-                section.pop("numerics", None)
-                folder = out.absolute()
-                with chdir(job.work):  # where no option file of a library lies
-                    function = _load(spec)
-                    gc.freeze()  # what was imported stays: no need to look at it each time
-                    summary = function(section, inputs, folder, job)
-                result = self.store.publish(out, summary)
-        except BaseException:
-            if isinstance(job.tracker, JournalTracker):
-                job.tracker.end(FAILED, {})
-            raise
+        with self.store.temporary(name) as out:
+            inputs = {
+                name: [self.store.object_folder(digest).absolute() for digest in digests]
+                for name, digests in objects.items()
+            }
+            section = copy.deepcopy(dict(spec.section))
+            section.pop("numerics", None)
+            folder = out.absolute()
+            with chdir(job.work):  # where no option file of a library lies
+                function = _load(spec)
+                gc.freeze()  # what was imported stays: no need to look at it each time
+                summary = function(section, inputs, folder, job)
+            result = self.store.publish(out, summary)
         facts = job.volatile | {
             "started": started,
             "ended": now(),
@@ -111,25 +108,16 @@ class Runner:
             "size": size(spec),
         }
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
-        if isinstance(job.tracker, JournalTracker):
-            self._end(job.tracker, result, job.volatile)
         return result
 
     def _job(self, spec: JobSpec) -> Job:
         work = self.store.work_folder(spec.stage, spec.recipe).absolute()
         work.mkdir(parents=True, exist_ok=True)
         code = files.digest_value([spec.code.entry, spec.code.source, spec.code.versions])
-        tracker: Tracker = NoTracker()
-        session = current_session(self.store.root.absolute()) if spec.tracked else None
-        if session is not None:
-            tracker = JournalTracker(session / f"{spec.stage}-{spec.recipe[:16]}.jsonl")
-            needs = dict.fromkeys(job.stage for job in spec.needs)
-            tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe}, list(needs))
-            tracker.log_params(spec.section)
         return Job(
             work,
             self.threads,
-            tracker,
+            MetricsFile(self.store.metrics_path(spec.stage, spec.recipe).absolute()),
             self.progress,
             run_metadata(self.store.root),
             self.store.cache_folder(code).absolute(),
@@ -139,19 +127,6 @@ class Runner:
                 for name, jobs in spec.inputs.items()
             },
         )
-
-    def _end(self, tracker: JournalTracker, result: Result, volatile: Mapping[str, Any]) -> None:
-        """Close the tracked run with its numbers and a path relative to the store."""
-        summary = _numbers(result.summary)
-        noted = {f"volatile/{name}": value for name, value in _numbers(volatile).items()}
-        tracker.log_metrics(summary | noted, 0)
-        path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
-        tags = {"object": result.object, "object.path": path}
-        names = sorted({name.partition("/")[0] for name in result.files})
-        lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
-        lines += [f"Result, below `{self.store.root.name}/`:", ""]
-        lines += [f"* `{path}/{name}`" for name in names]
-        tracker.end(FINISHED, tags, "\n".join(lines).lstrip())
 
 
 def _load(spec: JobSpec) -> StageFunction:
@@ -165,6 +140,29 @@ def _load(spec: JobSpec) -> StageFunction:
             "started: start it again"
         )
     return function
+
+
+class MetricsFile:
+    """Appends metrics to a file. Never raises: the first failure is one line and the last try."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._works = path, True
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
+
+    def __call__(self, metrics: Mapping[str, float], step: int) -> None:
+        """Append numbers at a step."""
+        if not self._works:
+            return
+        try:
+            values = {name: float(value) for name, value in metrics.items()}
+            event = {"time": time.time_ns() // 1_000_000, "step": int(step), "values": values}
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(event) + "\n")
+        except Exception as error:
+            self._works = False
+            _log.warning("no further metrics are written, the stage goes on: %s", error)
 
 
 def limit_threads(threads: int) -> None:
@@ -182,11 +180,6 @@ def keep_freed_memory() -> None:
     system at every step of a simulation, which takes a tenth of the processor time.
     """
     bytes(30 * 2**20)
-
-
-def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
-    """Numeric entries of a summary."""
-    return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
 
 
 def _cpu_seconds() -> float:

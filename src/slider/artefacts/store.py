@@ -68,6 +68,10 @@ class Store:
         """Log of the latest job of a recipe."""
         return self.root / "logs" / stage / f"{recipe}.log"
 
+    def metrics_path(self, stage: str, recipe: str) -> Path:
+        """Metrics of the latest job of a recipe, a line for each step."""
+        return self.root / "logs" / stage / f"{recipe}.jsonl"
+
     def work_folder(self, stage: str, recipe: str) -> Path:
         """Folder that survives a killed job, for checkpoints."""
         return self.root / "work" / stage / recipe

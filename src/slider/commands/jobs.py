@@ -1,4 +1,4 @@
-"""What the pipeline calls: ``slider run``, ``slider publish`` and ``slider tracking``."""
+"""What the pipeline calls: ``slider run`` and ``slider publish``."""
 
 import argparse
 import logging
@@ -121,18 +121,3 @@ def publish(arguments: argparse.Namespace) -> None:
         finally:
             part.unlink(missing_ok=True)
         print(f"{target} is ready")
-
-
-def tracking_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments of ``tracking``."""
-    parser.add_argument("action", choices=["follow"], help="write one session until it ends")
-    parser.add_argument("session", help="name of a folder below artefacts/tracking")
-    add_store_argument(parser)
-
-
-def tracking(arguments: argparse.Namespace) -> None:
-    """Bring the journals of a session to MLflow."""
-    from slider.tracking.mlflow_writer import follow
-
-    logging.basicConfig(level=logging.WARNING)
-    follow(arguments.artefacts, arguments.session)

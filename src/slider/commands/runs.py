@@ -9,7 +9,7 @@ from contextlib import closing
 
 from slider.artefacts.current import add_store_argument
 from slider.core.errors import UserError, require
-from slider.tracking.mlflow_writer import DATABASE, page
+from slider.tracking import DATABASE, page
 
 HOST = "127.0.0.1"
 # Without workers for jobs that nothing here uses: each is one more import of MLflow.

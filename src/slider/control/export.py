@@ -24,7 +24,7 @@ from torch import nn
 from slider.config.convert import from_dict
 from slider.config.env import EstimatorConfig
 from slider.config.robot import RobotConfig
-from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE, REFERENCE
+from slider.control import LAYOUT, MODEL, ONNX, POLICY_FILE, REFERENCE
 from slider.control.exported import OnnxNetwork
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
 from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
@@ -58,8 +58,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         job.threads,
         None if estimator is None else from_dict(EstimatorConfig, estimator),
     )
-    for name in EXPORT_FILES:
-        job.tracker.log_file(out / name)
     return {"observations": observations, "tolerance": TOLERANCE}
 
 

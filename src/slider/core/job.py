@@ -5,38 +5,19 @@ Every stage is one function ``run(section, inputs, out, job) -> summary``:
 * ``section``: the stage's own part of the resolved configuration, plain nested dictionaries;
 * ``inputs``: name → object folders of the stages it depends on, in a fixed order;
 * ``out``: empty folder for the result's files (same input, same bytes);
-* ``job``: work folder, threads, tracker and progress: nothing that may change the result;
+* ``job``: work folder, threads, metrics and progress: nothing that may change the result;
 * ``summary``: small, deterministic facts for the manifest (JSON).
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 Section = dict[str, Any]
 Inputs = Mapping[str, Sequence[Path]]
 Summary = dict[str, Any]
-
-
-class Tracker(Protocol):
-    """Records a run. Never raises: a stage does not fail because tracking fails."""
-
-    def log_params(self, params: Mapping[str, Any]) -> None:
-        """Record nested parameters of the run."""
-
-    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
-        """Record scalar metrics at a step."""
-
-    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
-        """Record columns of equal length as a table."""
-
-    def log_file(self, path: Path) -> None:
-        """Record a file as an artefact of the run."""
-
-
-class NoTracker(Tracker):
-    """Records nothing."""
+LogMetrics = Callable[[Mapping[str, float], int], None]
 
 
 @dataclass(frozen=True)
@@ -46,7 +27,7 @@ class Job:
     Attributes:
         work: folder that survives a killed job; checkpoints go here.
         threads: processor threads the job may use.
-        tracker: records metrics and tables.
+        log_metrics: records numbers by name at a step. Never raises.
         progress: shows one line to the person who waits.
         volatile: facts that differ between runs, such as times; kept outside the manifest.
         cache: folder that jobs of the same source share, of what may be deleted at any time.
@@ -58,7 +39,7 @@ class Job:
 
     work: Path
     threads: int = 1
-    tracker: Tracker = field(default_factory=NoTracker)
+    log_metrics: LogMetrics = lambda *_: None
     progress: Callable[[str], None] = lambda _: None
     volatile: dict[str, Any] = field(default_factory=dict)
     cache: Path | None = None

@@ -42,7 +42,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     walks = walk(controller, physics, plant, library, section["steps"], job)
     columns = dict(zip(VELOCITY, library.velocities.T, strict=True)) | walks
     _write(pd.DataFrame(columns), section["steps"], out)
-    job.tracker.log_file(out / CSV)
     return {"gaits": len(library), "walked": int((walks["walked"] >= section["steps"]).sum())}
 
 

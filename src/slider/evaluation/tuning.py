@@ -53,7 +53,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         study.tell(trial, score)
         rows.append({"trial": number, FINALIST: 0, "score": score, **trial.params, **columns})
         job.progress(f"trial {number + 1}/{section['trials']}, best score {study.best_value:.3f}")
-        job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
+        job.log_metrics({"score": score, "best": study.best_value}, number)
     present, *drawn = rows
     best = sorted(drawn, key=lambda row: row["score"])[: section["finalists"]]
     changed = {"robots": section["finalist_robots"], "seed": protocol.seed + 1}

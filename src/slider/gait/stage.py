@@ -78,7 +78,7 @@ def write_report(
         "coefficient_error": coefficients(problem, solve.variables)[1],
     }
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-    names = (*VELOCITY, "status", "converged", "cost", "max_violation")
+    names = (*VELOCITY, "status", "converged", "iterations", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
 
 

@@ -71,7 +71,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     rows.sort(key=lambda row: [row[name] for name in VELOCITY])
     write_csv(out / CSV, rows)
     write_markdown(out / MARKDOWN, rows)
-    job.tracker.log_file(out / CSV)
     radii = [row["closed_spectral_radius"] for row in rows]
     return {"gaits": len(rows), "stable": sum(r is not None and r < 1.0 for r in radii)}
 

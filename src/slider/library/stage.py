@@ -33,11 +33,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(LibraryConfig, section["library"])
     folders = inputs["gaits"]
     reports = [json.loads((folder / REPORT).read_text(encoding="utf-8")) for folder in folders]
-    columns = (*VELOCITY, "status", "iterations", "cost", "max_violation")
-    table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
-    volatile = job.input_volatile.get("gaits", [{}] * len(reports))
-    table["solve_cpu"] = [facts.get("solve_cpu") for facts in volatile]
-    job.tracker.log_table(table, "gaits")
     good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
     holes = [report for i, report in enumerate(reports) if i not in good]
     if not good or (holes and not config.allow_holes):

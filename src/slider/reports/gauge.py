@@ -48,9 +48,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = Text(_CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]}))
     write_document(out / "gauge.md", "Gauge", section["robot"], [figure, caption, *written])
-    job.tracker.log_file(out / "gauge.svg")
     numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
-    job.tracker.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
+    job.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
     return {"rows": len(rows), "gauge": numbers}
 
 

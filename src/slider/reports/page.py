@@ -27,7 +27,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     shown = {name: tuple(getattr(contents, name)(sources)) for name in report["sections"]}
     page = render(_TITLE, _facts(sources), shown)
     (out / PAGE).write_text(page, encoding="utf-8")
-    job.tracker.log_file(out / PAGE)
     return {"sections": report["sections"], "megabytes": round(len(page.encode()) / 1e6, 1)}
 
 

@@ -135,7 +135,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         return {"rows": len(rows), "success_rate": rates}
     highest = highest_tracked(rows)
     metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
-    job.tracker.log_metrics(metrics, 0)
+    job.log_metrics(metrics, 0)
     return {"rows": len(rows), "highest_tracked": highest}
 
 
@@ -152,7 +152,6 @@ def _write(
     write_pictures(stem, draw)
     title, robot = about
     write_document(stem.with_suffix(".md"), f"{title}: {stem.name}", robot, blocks)
-    job.tracker.log_file(stem.with_suffix(".svg"))
 
 
 def blocks(

@@ -56,11 +56,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         tables[f"{name}_curves"] = curves
     for stem, table in tables.items():
         table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
-        job.tracker.log_file(out / f"{stem}.csv")
     write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
     title = name.replace("_", " ").capitalize()
     write_document(out / f"{name}.md", title, section["robot"], blocks(name, out))
-    job.tracker.log_file(out / f"{name}.svg")
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 

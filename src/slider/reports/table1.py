@@ -57,12 +57,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     lines = [f"% Robot: {section['robot']}. {escape(_CAPTION)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")
-    job.tracker.log_file(out / "table1.csv")
     ours = rows[: len(evaluations)]
     metrics = {
         f"{name}/{one['controller']}/{one['speed']}": one[name] for one in ours for name in METRICS
     }
-    job.tracker.log_metrics({k: value for k, value in metrics.items() if np.isfinite(value)}, 0)
+    job.log_metrics({k: value for k, value in metrics.items() if np.isfinite(value)}, 0)
     return {"rows": len(ours)}
 
 

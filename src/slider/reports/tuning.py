@@ -38,7 +38,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     figure = Picture(out / "baseline_tuning.svg", "Best score so far over the trials.")
     shown = [Text(_CAPTION), figure, *written]
     write_document(out / "baseline_tuning.md", "Tuned baselines", section["robot"], shown)
-    job.tracker.log_file(out / "baseline_tuning.csv")
     scores = {name: _present_and_best(trials[name])[1]["score"] for name in names}
     return {"trials": len(rows), "scores": scores}
 

@@ -19,7 +19,7 @@ from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from slider.config.train import NetworkConfig, TrainConfig
-from slider.core.job import Tracker
+from slider.core.job import LogMetrics
 from slider.env.observations import reflected
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import MIRROR_PERMUTATION
@@ -81,7 +81,7 @@ class AnnealedPPO(PPO):
 
 
 def runner_config(
-    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]]
+    train: TrainConfig, log_metrics: LogMetrics, curve: list[dict[str, float]]
 ) -> dict[str, Any]:
     """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration."""
     network = train.network
@@ -102,7 +102,7 @@ def runner_config(
         "save_interval": _NEVER,  # checkpoints are ours
         "obs_groups": {"actor": ["policy"], "critic": ["policy"]},
         # rsl-rl deep-copies its configuration: a function survives that, a writer would not.
-        "logger": {"class_name": lambda log_dir: TrackerLogWriter(tracker, curve)},
+        "logger": {"class_name": lambda log_dir: MetricsWriter(log_metrics, curve)},
         "actor": {**model, "distribution_cfg": distribution},
         "critic": dict(model),
         "algorithm": _algorithm(train),
@@ -145,14 +145,14 @@ def _noise_bound(network: NetworkConfig, updates: int, update: int) -> float:
     return network.std_max * (network.std_final / network.std_max) ** min(max(share, 0.0), 1.0)
 
 
-class TrackerLogWriter(LogWriter):
+class MetricsWriter(LogWriter):
     """Collects the scalars of an iteration and hands them over together.
 
-    ``tracker`` gets all of them, ``curve`` a row with what does not depend on the machine's speed.
+    ``log_metrics`` gets all, ``curve`` a row with those that do not depend on the machine's speed.
     """
 
-    def __init__(self, tracker: Tracker, curve: list[dict[str, float]]) -> None:
-        self._tracker, self._curve = tracker, curve
+    def __init__(self, log_metrics: LogMetrics, curve: list[dict[str, float]]) -> None:
+        self._log_metrics, self._curve = log_metrics, curve
         self._step = 0
         self._metrics: dict[str, float] = {}
 
@@ -168,7 +168,7 @@ class TrackerLogWriter(LogWriter):
     def stop(self) -> None:
         """Hand over the scalars of the last iteration."""
         if self._metrics:
-            self._tracker.log_metrics(self._metrics, self._step)
+            self._log_metrics(self._metrics, self._step)
             lasting = {k: v for k, v in self._metrics.items() if not k.startswith("Perf/")}
             self._curve.append({"iteration": self._step, **lasting})
         self._metrics = {}

@@ -59,7 +59,7 @@ class Trainer:
         torch.manual_seed(seed)
         own = replace(self._task, train=replace(train, seed=seed))
         self.env = WalkingEnv(own, job.threads, self._simulate)
-        config = runner_config(train, job.tracker, self._curve)
+        config = runner_config(train, job.log_metrics, self._curve)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=train.device)
         self._runner.current_learning_iteration = self._iteration
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
@@ -119,7 +119,7 @@ class Trainer:
             weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
             self._best = {"score": numbers, "iteration": self._iteration, "weights": weights}
         metrics = {f"selection/{name}": value for name, value in numbers.items()}
-        self._job.tracker.log_metrics(metrics, self._iteration)
+        self._job.log_metrics(metrics, self._iteration)
         return score
 
     def _network(self, actor_state: Mapping[str, torch.Tensor]):
@@ -173,7 +173,6 @@ class Trainer:
         for name, rows in ((SELECTION, self._history), (CURVE, self._curve)):
             if rows:
                 pd.DataFrame(rows).to_csv(out / name, index=False, float_format="%.6g")
-        self._job.tracker.log_file(out / POLICY_FILE)
         return facts
 
 

@@ -113,8 +113,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     (out / JSON).write_text(text, encoding="utf-8")
     summary.write_markdown(out / MARKDOWN, table, quantities)
-    for name in (CSV, JSON):
-        job.tracker.log_file(out / name)
     return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 

@@ -48,7 +48,6 @@ def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> S
     ]
     title = "Verification over the commanded velocity"
     write_figure(out / NAME, title, lambda: draw_maps(library, maps), VERIFICATION_CAPTION)
-    job.tracker.log_file(out / f"{NAME}.svg")
     return {"maps": len(maps)}
 
 
@@ -122,7 +121,6 @@ def run_stability(section: Section, inputs: Inputs, out: Path, job: Job) -> Summ
     )
     for name, (title, draw, caption) in zip(STABILITY, drawings, strict=True):
         write_figure(out / name, title, draw, caption)
-        job.tracker.log_file(out / f"{name}.svg")
     return {"gaits": len(table), "basins": len(basins)}
 
 

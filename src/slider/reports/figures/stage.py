@@ -38,5 +38,4 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         job.progress(name)
         text = caption if isinstance(caption, str) else caption(library)
         write_figure(out / name, title, lambda draw=draw: draw(library), text)
-        job.tracker.log_file(out / f"{name}.svg")
     return {"figures": len(DRAWINGS)}

@@ -1,0 +1,277 @@
+"""Runs in MLflow, which a thread of the pipeline's own process writes while the jobs run.
+
+What a job leaves behind is known at its end: section, manifest, run metadata. Of a running job only
+the metrics are read, from a file that it appends to. So no job imports MLflow (1.8 s) or opens its
+database, where several writers at once lose runs. A pipeline holds a lock under the name of its run
+in MLflow; the next one closes the runs whose lock is free, as their pipeline was killed.
+"""
+
+import json
+import os
+import queue
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from filelock import Timeout
+
+from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.run_metadata import computed_seconds
+from slider.artefacts.store import Store, exclusive
+from slider.core.files import flatten, plain
+
+DATABASE = "mlflow.db"  # below artefacts/
+FINISHED, FAILED = "FINISHED", "FAILED"
+_APART = "gait"  # stage with an experiment of its own: its many runs would bury the others
+_SHOWN = (".csv", ".svg", ".html", ".pt", ".onnx", ".xml", ".json")  # files of a result
+_PERIOD, _PATIENCE = 1.0, 60.0  # between two looks at running jobs, and for the end [s]
+_MAX_PARAM = 5000  # characters of a parameter's value
+_PARENT, _PIPELINE, _NOTE = "mlflow.parentRunId", "pipeline", "mlflow.note.content"
+_KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
+
+
+@dataclass
+class _Run:
+    """Run of a job: when it began [ms], its id in MLflow, how much of its metrics is there."""
+
+    job: JobSpec
+    began: int
+    id: str = ""
+    read: int = 0
+
+
+class Tracking:
+    """Brings a pipeline run and its jobs to MLflow. Never raises: ``error`` is what came first.
+
+    All runs have the ``common`` tags, such as the commit.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        plan: Plan,
+        experiment: str,
+        name: str,
+        params: Mapping[str, Any],
+        tags: Mapping[str, str],
+        common: Mapping[str, str],
+    ) -> None:
+        self.error: Exception | None = None
+        self._store, self._plan = store, plan
+        self._experiment, self._common = experiment, common
+        self._runs: dict[str, _Run] = {}
+        self._actions: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        work = (name, params, tags, _now())
+        self._thread = threading.Thread(target=self._work, args=work, daemon=True)
+        self._thread.start()
+
+    def began(self, recipe: str) -> None:
+        """A job is about to start."""
+        job = self._plan.jobs[recipe]
+        if job.tracked:
+            with suppress(OSError):  # of an earlier job
+                self._store.metrics_path(job.stage, recipe).unlink(missing_ok=True)
+            self._runs[recipe] = _Run(job, _now())
+
+    def ended(self, recipe: str) -> None:
+        """A job succeeded; one that reused a result has no run."""
+        self._put_end(recipe, FINISHED)
+
+    def failed(self, recipe: str) -> None:
+        """A job failed."""
+        self._put_end(recipe, FAILED)
+
+    def _put_end(self, recipe: str, status: str) -> None:
+        if run := self._runs.pop(recipe, None):
+            now = _now()
+            self._actions.put(lambda: self._end(run, status, now))
+
+    def finish(self, succeeded: bool) -> None:
+        """Close all runs and wait until everything is written."""
+        for recipe in [*self._runs]:
+            self.failed(recipe)
+        status, now = FINISHED if succeeded else FAILED, _now()
+        self._actions.put(lambda: self._client.set_terminated(self._id, status, end_time=now))
+        self._actions.put(None)
+        self._thread.join(_PATIENCE)
+        if self._thread.is_alive():
+            self.error = TimeoutError(f"MLflow took longer than {_PATIENCE:g} s")
+
+    def _work(self, *pipeline: Any) -> None:
+        """Do what the pipeline asks for, and in between look at the metrics of running jobs."""
+        with ExitStack() as held:
+            if not self._try(lambda: self._start(held, *pipeline)):
+                return
+            while True:
+                with suppress(queue.Empty):
+                    action = self._actions.get(timeout=_PERIOD)
+                    if action is None:
+                        return
+                    self._try(action)
+                for run in [*self._runs.values()]:
+                    self._try(lambda run=run: self._log_new_metrics(run))
+
+    def _try(self, action: Callable[[], None]) -> bool:
+        try:
+            action()
+        except Exception as error:
+            self.error = self.error or error
+            return False
+        return True
+
+    def _start(
+        self, held: ExitStack, name: str, params: Mapping, tags: Mapping, began: int
+    ) -> None:
+        """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
+        self._client = _connect(self._store)
+        self._experiments = {
+            name: _experiment(self._client, name) for name in (self._experiment, self._gaits)
+        }
+        with exclusive(self._store.locks, "tracking"):
+            _close_killed(self._client, self._store)
+            self._id = self._create(self._experiment, name, began, tags, params)
+            held.enter_context(exclusive(self._store.locks, self._id))
+
+    @property
+    def _gaits(self) -> str:
+        return f"{self._experiment}-{_APART}s"
+
+    def _create(
+        self, place: str, name: str, began: int, tags: Mapping, params: Mapping[str, Any]
+    ) -> str:
+        from mlflow.entities import Param
+
+        tags, place = {**self._common, **tags}, self._experiments[place]
+        run = self._client.create_run(place, start_time=began, tags=tags, run_name=name)
+        flat = flatten(params).items()
+        values = [Param(key, str(value)[:_MAX_PARAM]) for key, value in flat]
+        self._client.log_batch(run.info.run_id, params=values)
+        return run.info.run_id
+
+    def _open(self, run: _Run) -> str:
+        """Id of the run of a job, which is created if it is not there yet."""
+        if not run.id:
+            job, apart = run.job, run.job.stage == _APART
+            # Pages show parents beside their children: not in two experiments.
+            tags = {_PIPELINE if apart else _PARENT: self._id}
+            tags |= {"stage": job.stage, "recipe": job.recipe}
+            place = self._gaits if apart else self._experiment
+            run.id = self._create(place, job.label, run.began, tags, job.section)
+        return run.id
+
+    def _log_new_metrics(self, run: _Run) -> None:
+        """Write what a job has appended to its metrics since."""
+        path = self._store.metrics_path(run.job.stage, run.job.recipe)
+        content = b""
+        if path.is_file():
+            with path.open("rb") as file:
+                file.seek(run.read)
+                content = file.read()
+        lines = content[: content.rfind(b"\n") + 1]  # whole ones
+        run.read += len(lines)
+        if lines:
+            events = [json.loads(line) for line in lines.splitlines()]
+            metrics = [one for event in events for one in _metrics(**event)]
+            self._client.log_batch(self._open(run), metrics)
+
+    def _end(self, run: _Run, status: str, now: int) -> None:
+        facts = self._store.facts(run.job.stage, run.job.recipe)
+        if status == FINISHED and computed_seconds(facts, run.began / 1e3) is None:
+            return
+        self._open(run)
+        self._try(lambda: self._log_new_metrics(run))
+        if status == FINISHED:
+            self._try(lambda: self._log_result(run, facts, now))
+        self._client.set_terminated(run.id, status, end_time=now)
+
+    def _log_result(self, run: _Run, facts: Mapping[str, Any], now: int) -> None:
+        """Write what a job led to: its numbers, files, those of its gaits, and a description."""
+        from mlflow.entities import RunTag
+
+        job, store, client = run.job, self._store, self._client
+        result = store.read_manifest(job.stage, job.recipe).result
+        summary, volatile = _numbers(result.summary), _numbers(facts)
+        noted = summary | {f"volatile/{name}": value for name, value in volatile.items()}
+        folder = store.object_folder(result.object)
+        path = folder.relative_to(store.root).as_posix()
+        names = sorted({name.partition("/")[0] for name in result.files})
+        lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
+        lines += [f"Result, below `{store.root.name}/`:", "", *(f"* `{path}/{n}`" for n in names)]
+        gaits = [item for item in job.needs if item.stage == _APART]
+        if gaits:
+            link = page(self._experiments[self._gaits])
+            lines = [f"Made from the runs of [{self._gaits}](#{link}).", "", *lines]
+            client.log_table(run.id, _table(store, gaits), f"{_APART}s.json")
+        tags = {"object": result.object, "object.path": path, _NOTE: "\n".join(lines).lstrip()}
+        values = [RunTag(*tag) for tag in tags.items()]
+        client.log_batch(run.id, _metrics(now, 0, noted), tags=values)
+        for name in names if job.stage != _APART else ():
+            if name.endswith(_SHOWN):
+                client.log_artifact(run.id, str(folder / name))
+
+
+def page(experiment: str) -> str:
+    """Part of MLflow's address that lists runs; without a type it shows another page."""
+    return f"/experiments/{experiment}/runs?workflowType=machine_learning"
+
+
+def _connect(store: Store) -> Any:
+    os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
+    # MLflow pastes the path of this folder into SQL; in an address a quote of it is %27.
+    os.environ["_MLFLOW_SERVER_ARTIFACT_ROOT"] = (store.root / "mlruns").resolve().as_uri()
+    os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "WARNING")
+    from mlflow import MlflowClient
+
+    database = (store.root / DATABASE).resolve()
+    # MLflow tries a broken database again for almost two minutes: ask SQLite first.
+    with closing(sqlite3.connect(database)) as connection:
+        connection.execute("PRAGMA schema_version")
+    return MlflowClient(f"sqlite:///{database}")
+
+
+def _experiment(client: Any, name: str) -> str:
+    known = client.get_experiment_by_name(name)
+    place = os.environ["_MLFLOW_SERVER_ARTIFACT_ROOT"]
+    experiment = known.experiment_id if known else client.create_experiment(name, place)
+    client.set_experiment_tag(experiment, *_KIND)
+    return experiment
+
+
+def _close_killed(client: Any, store: Store) -> None:
+    """End the runs of pipelines that hold no lock any more as failed."""
+    experiments = [experiment.experiment_id for experiment in client.search_experiments()]
+    for run in client.search_runs(experiments, "attributes.status = 'RUNNING'"):
+        tags, id = run.data.tags, run.info.run_id
+        owner = tags.get(_PARENT) or tags.get(_PIPELINE) or (id if "plan" in tags else None)
+        with suppress(Timeout):
+            if owner is not None:
+                with exclusive(store.locks, owner, timeout=0):
+                    client.set_terminated(id, FAILED)
+
+
+def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:
+    from mlflow.entities import Metric
+
+    return [Metric(name, value, time, step) for name, value in values.items()]
+
+
+def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
+    """Summaries of jobs and numbers of their computations, a column each."""
+    rows = [
+        store.read_manifest(job.stage, job.recipe).result.summary
+        | _numbers(store.facts(job.stage, job.recipe))
+        for job in jobs
+    ]
+    return {name: plain([row.get(name) for row in rows]) for name in rows[0]}
+
+
+def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+    return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
+
+
+def _now() -> int:
+    return time.time_ns() // 1_000_000

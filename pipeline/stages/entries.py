@@ -40,7 +40,8 @@ STAGES = {
     "tuning": Stage("slider.evaluation.tuning:run"),
     "baseline_tuning": Stage("slider.reports.tuning:run", compared("baseline_tuning")),
     "table1": Stage(
-        "slider.reports.table1:run", ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex")
+        "slider.reports.table1:run",
+        ("table1.csv", "gait_quality.csv", "table1.md", "gait_quality.md", "table1.tex"),
     ),
     "velocity_tracking": Stage(
         "slider.reports.protocols:run_tracking", compared("velocity_tracking")

@@ -21,6 +21,8 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections declare what it needs: a target, or a group of its inputs."""
     available: dict[str, list[JobSpec]] = {name: [job] for name, job in targets.items()}
+    if not targets["velocity_tracking"].inputs["evaluations"]:  # none of its speeds is evaluated
+        del available["velocity_tracking"]
     for name, target in targets.items():
         available |= {f"{name}.{group}": list(jobs) for group, jobs in target.inputs.items()}
     available["videos"] = _videos(config, targets)

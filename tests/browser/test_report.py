@@ -20,14 +20,14 @@ def test_loads_without_complaint_and_without_the_network(opened):
     assert report.complaints == []
     outside = [r for r in report.requests if not r.startswith(("file:", "data:", "blob:"))]
     assert outside == []
-    drawn = report.page.locator("img.card").evaluate_all("all => all.map(i => i.naturalWidth)")
+    drawn = report.page.locator(".pictures img").evaluate_all("all => all.map(i => i.naturalWidth)")
     assert len(drawn) >= 5
     assert min(drawn) > 0
 
 
 def test_the_first_screen_shows_the_robot_and_the_plot(opened):
     page = opened().page
-    for selector in ("#overview video", "#overview img.card", ".finding"):
+    for selector in ("#overview video", "#overview img", "#overview p"):
         box = page.locator(selector).first.bounding_box()
         assert box["y"] + box["height"] < 900
 
@@ -68,7 +68,9 @@ def test_follows_the_theme_of_the_reader(opened, scheme):
 @pytest.mark.parametrize("width", [1280, 400])
 def test_fits_the_screen(opened, width):
     page = opened(width=width).page
-    wide = page.locator("section > .scroll").evaluate_all(
+    # Of a table of numbers a column keeps its numbers whole; on a narrow screen it scrolls.
+    numbers = ".scroll:has(.numbers)" if width < 700 else ".none"
+    wide = page.locator(f"section > .scroll:not({numbers})").evaluate_all(
         "boxes => boxes.filter(b => b.scrollWidth > b.clientWidth).map(b => b.innerText)"
     )
     assert wide == []

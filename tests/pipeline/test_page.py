@@ -46,6 +46,11 @@ def test_there_is_a_video_of_each_terrain_that_is_asked_for():
     assert all(video["controller"] == "policy_onboard" for video in videos[-2:])
 
 
+def test_without_a_speed_to_track_there_is_a_page_all_the_same():
+    _, report = stages("report.sections=[tracking]", "report.tracking_speeds=[7.0]")
+    assert not report.inputs
+
+
 @pytest.mark.parametrize(
     ("overrides", "absent", "found"),
     [
@@ -64,11 +69,10 @@ def test_a_section_that_is_not_there_is_one_line(overrides, absent, found, refus
 
 def test_a_section_pulls_in_what_it_declares():
     _, report = stages("report.sections=[table1,learning]")
-    assert set(report.inputs) == {"table1.evaluations", "table1.library", "standing", "walking"}
+    assert set(report.inputs) == {"table1", "standing", "walking"}
     _, report = stages(f"report.sections=[{','.join(SECTIONS)}]")
     declared = {name.rstrip("?") for section in SECTIONS.values() for name in section.needs}
     assert set(report.inputs) == declared - {"untuned"}  # there is no fine-tuning
-    assert {job.stage for job in report.inputs["verification.gaits"]} == {"verification_gaits"}
     assert {origin["stage"] for origin in report.section["origins"]["library.gaits"]} == {"gait"}
 
 
@@ -76,7 +80,6 @@ def test_a_page_shows_the_settings_of_its_protocols_only():
     _, report = stages("report.sections=[sweep,joystick]")
     assert report.section["configuration"]["protocols"].keys() == {"sweep", "joystick"}
     assert {job.stage for job in report.inputs["joystick"]} == {"segments"}
-    assert {job.stage for job in report.inputs["joystick.evaluations"]} == {"evaluation"}
     _, report = stages()
     assert {"protocols", "gauge"}.isdisjoint(report.section["configuration"])
     _, report = stages("report.sections=[gauge]", "gauge.controllers=[mpc_wbc_tuned]")

@@ -19,15 +19,13 @@ from slider.evaluation import segments
 from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
 from slider.reports import protocols, rows
-from slider.reports.contents import sweep as sweep_section
 from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_tracking
-from slider.reports.table import Picture, Table
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
 from tests.evaluation.test_results import make_robots, random_robots
 from tests.evaluation.test_segments import case, protocol, recording
-from tests.reports.sources import pick, sources
+from tests.reports.sources import tables
 
 LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
@@ -207,8 +205,8 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     assert found == [[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]]
     assert np.isnan([row["mean_velocity"] for row in others]).all()  # nobody survived
     text = (out / f"{name}.md").read_text()
-    assert "not drawn: 3.0 m/s." in text
-    assert "not drawn: MPC + WBC at 0.4 m/s." in text
+    assert "Not drawn: 3.0 m/s, not evaluated in this run." in text
+    assert "Not drawn: no survivors with MPC + WBC at 0.4 m/s." in text
 
 
 def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):
@@ -250,14 +248,9 @@ def test_each_report_is_three_files(name, write, tmp_path):
     assert found == {f"{name}.{x}" for x in ("csv", "md", "svg")}
 
 
-def test_the_page_has_the_figure_and_the_tables_of_the_sweep(tmp_path):
+def test_mean_speeds_have_their_spread_between_robots(tmp_path):
     _, _, out = report_speeds(tmp_path)
-    settings = to_dict(sweep())
-    settings.pop("profile")  # as the pipeline does with what a protocol does not use
-    inputs = {"sweep": [out], "sweep.evaluations": [tmp_path / "0", tmp_path / "1"]}
-    given = sources(inputs, configuration={"protocols": {"sweep": settings}}, labels=LABELS)
-    section = list(sweep_section(given))
-    assert pick(section, Picture)[0].path == out / "sweep.svg"
-    (speeds,) = (table for table in pick(section, Table) if table.caption == "Mean speed [m/s]")
-    found = [[cell.text for cell in row] for row in speeds.rows]
-    assert found == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]
+    text = (out / "sweep.md").read_text()
+    assert "![Sweep](figures/sweep.svg)" in text
+    found = tables([text])["Mean speed [m/s]"]
+    assert found[1:] == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from slider.core.job import Job
-from slider.reports.contents import provenance
-from slider.reports.table import Table, Text
-from tests.reports.sources import pick, sources
+from slider.reports.page import origins as provenance
+from tests.reports.sources import tables
 
 OLD, NEW = "2026-01-01T00:00:00.000+00:00", "2026-01-02T00:00:00.000+00:00"
 
@@ -26,10 +25,11 @@ def section(origins, times):
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
     job = Job(Path(), volatile=page, input_volatile=times)
-    given = sources(folders, job, configuration=configuration, origins=origins)
-    found = list(provenance(given))
-    rows = [[cell.text for cell in row] for row in pick(found, Table)[0].rows]
-    return rows, " ".join(block.markdown for block in pick(found, Text))
+    given = {"configuration": configuration, "origins": origins}
+    found = list(provenance(given, folders, Path(), job, {}))
+    head, *rows = tables(found[1:2])[""]
+    assert head[0] == "stage"
+    return rows, " ".join(found)
 
 
 def test_counts_what_this_pipeline_run_computed():

@@ -7,12 +7,12 @@ from pkgutil import resolve_name
 
 from pipeline.targets import report_files
 from slider.config.convert import to_dict
+from slider.core.job import Job
 from slider.env import observations, rewards
-from slider.reports.contents import in_effect, readings
-from slider.reports.contents import read_statements as read
-from slider.reports.table import Table
+from slider.reports.page import in_effect, readings
+from slider.reports.page import read_statements as read
 from tests.config.composed import CONF, composed
-from tests.reports.sources import sources
+from tests.reports.sources import tables
 
 HEADS = ["the paper says", "status", "here", "where"]
 ROOT = CONF.parent
@@ -90,10 +90,11 @@ def test_the_papers_experiment_has_other_values():
 
 
 def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
-    shown = [b for b in readings(sources({}, configuration=to_dict(PAPER))) if isinstance(b, Table)]
-    assert [table.caption for table in shown] == list(dict.fromkeys(row["part"] for row in read()))
-    assert sum(len(table.rows) for table in shown) == len(read())
-    values = {row[3].text: row[-1].text for table in shown for row in table.rows}
+    given = {"configuration": to_dict(PAPER)}
+    shown = tables(readings(given, {}, CONF, Job(CONF), {}))
+    assert [*shown] == list(dict.fromkeys(row["part"] for row in read()))
+    assert sum(len(table) - 1 for table in shown.values()) == len(read())
+    values = {row[3]: row[-1] for table in shown.values() for row in table[1:]}
     assert values["gait.dynamics"] == "knee"
 
 

@@ -51,9 +51,14 @@ def test_files(tmp_path):
     assert rows[0]["dense_leg_distance"] == "0.11"
     assert rows[2]["dense_leg_distance"] == ""
     quantities = summary.worst(ROWS[:2], NONE | {"dynamics_torque": 1e-6})
-    summary.write_markdown(tmp_path / "a.md", ROWS[:2], quantities)
+    summary.write_markdown(tmp_path / "a.md", ROWS[:2], quantities, failed)
     lines = (tmp_path / "a.md").read_text().splitlines()
     assert any(
         line.endswith("0.001 | 0.3, 0 | 0.0005 | ≤ 1e-06 **(not held)** |") for line in lines
     )
+    assert lines[0] == "2 gaits, 1 bounds. **2 values are beyond their bounds:**"
+    assert [line.partition(",")[0] for line in lines[2:4]] == [
+        f"* {failed[0].text.partition(',')[0]}",
+        "* gait (0.4",
+    ]
     assert lines[-1] == "| `dense_cop` | 0.4 | 0.5 |"

@@ -21,10 +21,10 @@ from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
+from slider.core.tables import Table
 from slider.reports.provenance import in_order, stage_title
 from slider.reports.quantities import NONE, PAPER, QUANTITIES, speed_text
 from slider.reports.rows import NAN, Row, by, distinct, read
-from slider.reports.table import grid
 from slider.reports.table1 import METRICS
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
@@ -117,7 +117,7 @@ def across(
                 heading = QUANTITIES[name].heading
                 title = "" if body and heading in {line[0] for line in body} else heading
                 body.append([title, label, *(cells.get(value, "–") for value in speeds)])
-    return grid(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
+    return Table(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
 
 
 def summary(report: Path) -> str:
@@ -175,7 +175,7 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
         minutes = (mine[["wall_s", "cpu_s"]].sum() / 60).map("{:.1f}".format)
         body.append([stage_title(stage), f"{len(mine)}", f"{mine['threads'].max():g}", *minutes])
     heads = ["stage", "jobs", "threads of a job", "wall time of all jobs [min]"]
-    return grid([*heads, "processor time [min]"], body).markdown
+    return Table([*heads, "processor time [min]"], body).markdown
 
 
 BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {

@@ -11,13 +11,14 @@ from functools import partial
 from pathlib import Path
 
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table
 from slider.evaluation.gauge import CSV, words
 from slider.reports import rows as tables
+from slider.reports.document import picture, write_document
 from slider.reports.figures.gauge import draw, pass_rate
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE
 from slider.reports.rows import Row, by
-from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 NUMBER = "gauge number"
 _CAPTION = """\
@@ -28,7 +29,7 @@ pass, over all speeds, seeds and directions of pushes. The gauge number is the m
 Above: levels of each axis. Below: share of robots that pass, by direction in which the robot is
 pushed (forward is up, left is left) and impulse [N s]; grey was not simulated.
 
-Above a level that no robot passes none is simulated (–). `reports/gauge_cells.csv` has each speed,
+Above a level that no robot passes none is simulated (–). `gauge_cells.csv` has each speed,
 seed and direction.
 """
 
@@ -44,10 +45,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     rows = gauge_rows(cells, section["labels"], section["survival"])
     tables.write(rows, out / "gauge.csv")
     write_pictures(out / "gauge", partial(draw, rows, cells, section["labels"]))
-    protocol, figure, *written = section["protocol"], *blocks(rows, out / "gauge.svg")
+    protocol = section["protocol"]
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
-    caption = Text(_CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]}))
-    write_document(out / "gauge.md", "Gauge", section["robot"], [figure, caption, *written])
+    caption = _CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]})
+    parts = [picture("gauge"), caption, *(table.markdown for table in gauge_tables(rows))]
+    write_document(out / "gauge.md", "Gauge", section["robot"], parts)
     numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
     job.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
     return {"rows": len(rows), "gauge": numbers}
@@ -80,10 +82,9 @@ def highest_level(rates: Sequence[float], survival: float) -> int:
     return next(below, len(rates))
 
 
-def blocks(rows: Sequence[Row], svg: Path) -> Iterator[Written]:
-    """Figure, levels of all controllers, and the pass rates of each; ``rows`` of the table."""
-    yield Picture(svg)
-    body = [[Cell(_title(axis)), *map(_level, mine)] for axis, mine in by(rows, "axis").items()]
+def gauge_tables(rows: Sequence[Row]) -> Iterator[Table]:
+    """Levels of all controllers, and the pass rates of each."""
+    body = [[_title(axis), *map(_level, mine)] for axis, mine in by(rows, "axis").items()]
     yield Table(["axis", *by(rows, "label")], body)
     names = [name for name in rows[0] if name.startswith("pass_")]
     heads = ["robots that pass [%] at level", *(name.removeprefix("pass_") for name in names)]
@@ -94,15 +95,15 @@ def blocks(rows: Sequence[Row], svg: Path) -> Iterator[Written]:
             for row in mine
             if row["axis"] != NUMBER
         ]
-        yield grid(heads, body, label)
+        yield Table(heads, body, label)
 
 
 def _title(axis: str) -> str:
     return axis.replace("_", " ")
 
 
-def _level(row: Row) -> Cell:
+def _level(row: Row) -> str:
     """Level and magnitude."""
     if row["axis"] == NUMBER:
-        return Cell(f"**{row['level']:.1f}**", row["level"])
-    return Cell(f"{row['level']:g} ({row['magnitude']})" if row["level"] else "0", row["level"])
+        return f"**{row['level']:.1f}**"
+    return f"{row['level']:g} ({row['magnitude']})" if row["level"] else "0"

@@ -1,82 +1,219 @@
-"""The stage ``report``: one self-contained page about everything."""
+"""The stage ``report``: one self-contained page, of what the reports say and of what is below."""
 
-import base64
+import csv
+import json
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.reports import contents
-from slider.reports.contents import Sources
-from slider.reports.quantities import speed_text
+from slider.core.tables import Table
+from slider.reports import html, provenance
+from slider.reports.figures import walking
+from slider.reports.figures.style import write_pictures
+from slider.reports.quantities import PAPER, QUANTITIES, speed_text
+from slider.reports.rows import Row, by, read
 from slider.reports.sections import SECTIONS
-from slider.reports.table import inline
+from slider.reports.video import ABOUT, FILM
+from slider.training.results import Training
 
 PAGE = "index.html"
+READINGS = "readings.csv"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
+_TRAININGS = {
+    "standing": "Standing",
+    "untuned": "Walking, before fine-tuning",
+    "walking": "Walking",
+}
+_NO_RENDERER = (
+    "No videos: this machine renders neither with EGL nor with OSMesa. Install one of them (on "
+    "Debian `libegl1 libegl-mesa0` or `libosmesa6`) and build the page again."
+)
+Files = dict[str, Path]
+"""Pictures and films by their names in a text."""
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``index.html`` with the configured sections, each from its declared inputs."""
-    report = section["report"]
-    sources = Sources(section, inputs, out, job)
-    shown = {name: tuple(getattr(contents, name)(sources)) for name in report["sections"]}
-    page = render(_TITLE, _facts(sources), shown)
+    names = section["report"]["sections"]
+    shown = {}
+    for name in names:
+        about = SECTIONS[name]
+        parts = [(about.about, {}), *(_document(inputs, place) for place in about.documents)]
+        if name in WRITERS:
+            images: Files = {}
+            written = WRITERS[name](section, inputs, out, job, images)
+            parts.append(("\n\n".join(written), images))
+        else:  # the section's heading is in the place of its own
+            parts[1] = re.sub(r"\A# .*", "", parts[1][0]), parts[1][1]
+        shown[name] = about.title, "".join(html.html(*part) for part in parts)
+    page = html.page(_TITLE, shown)
     (out / PAGE).write_text(page, encoding="utf-8")
-    return {"sections": report["sections"], "megabytes": round(len(page.encode()) / 1e6, 1)}
+    return {"sections": names, "megabytes": round(len(page.encode()) / 1e6, 1)}
 
 
-def render(title: str, facts: Mapping[str, str], blocks: Mapping[str, Sequence[Any]]) -> str:
-    """The whole page as one HTML text that needs nothing else, and no script.
+def _document(inputs: Inputs, place: str) -> tuple[str, Files]:
+    """A report of an input; its pictures are beside it."""
+    name, file = place.split("/")
+    if name not in inputs:
+        return "This run has none.", {}
+    (folder,) = inputs[name]
+    images = {f"{at}{path.name}": path for path in folder.iterdir() for at in ("", "figures/")}
+    return (folder / file).read_text(encoding="utf-8"), images
 
-    ``blocks`` are those of each section, see ``templates/page.html``.
-    """
-    environment = Environment(
-        loader=PackageLoader("slider.reports", "templates"),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+
+def draw(name: str, figure: Callable[[], Figure], out: Path, images: Files) -> str:
+    """Draw ``name``.svg beside the page, and show it."""
+    write_pictures(out / name, figure)
+    images[name] = out / f"{name}.svg"
+    return f"![{name}]({name})"
+
+
+def overview(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+    """One sentence; the robot walking, success and error over the speed; what was computed."""
+    rows = read(inputs["table1"][0] / "table1.csv")
+    yield finding(rows)
+    films = [about for about in _films(inputs, images) if about["fell_at"] is None]
+    films.sort(key=lambda about: (about["controller"] != rows[0]["controller"], -about["speed"]))
+    plot = draw("overview", partial(walking.draw_overview, rows), out, images)
+    first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]
+    yield "\n".join([*first, plot])
+    printed = " Dotted: the paper's numbers." if any(row["source"] == PAPER for row in rows) else ""
+    yield f"Success rate, and velocity MSE after the warm-up of the robots that survive.{printed}"
+    facts = _facts(section)
+    yield Table([*facts], [[*facts.values()]]).markdown
+
+
+def finding(rows: list[Row]) -> str:
+    """Success and error of the first controller beside the paper's, in one sentence."""
+    mine = [row for row in rows if row["controller"] == rows[0]["controller"]]
+    top = max(row["speed"] for row in mine)
+    paper = [r for r in rows if r["source"] == PAPER and r["speed"] == top]
+    success, mse = QUANTITIES["success_rate"], QUANTITIES["mse_steady"]
+    printed = ""
+    if paper:
+        rate = success.text(paper[0]["success_rate"])
+        printed = f" ({paper[0]['label']}: {rate} % at {speed_text(top)} m/s)"
+    return (
+        f"Of the robots with {mine[0]['label']} at least "
+        f"**{success.text(min(row['success_rate'] for row in mine))} %** survive at every "
+        f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
+        f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
     )
-    environment.filters |= {"inline": inline, "data": data_address}
-    return environment.get_template("page.html").render(
-        title=title,
-        facts=facts,
-        titles={name: SECTIONS[name].title for name in blocks},
-        blocks=blocks,
-        style=environment.get_template("page.css").render(),
-    )
 
 
-def data_address(path: Path, kind: str) -> str:
-    """A file as a ``data:`` address of a media type; texts are shorter without base64."""
-    if kind == "image/svg+xml":
-        return f"data:{kind},{quote(path.read_text(encoding='utf-8'), safe=_SAFE)}"
-    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
-
-
-_SAFE = " /:;=,.-_()!$*+@?[]{}'|^`~"
-"""Characters of an SVG that may stand in an address within double quotes."""
-
-
-def _facts(sources: Sources) -> dict[str, str]:
-    """Robot, controllers, commanded speeds, and amounts of evaluation and training."""
-    configuration = sources.configuration
+def _facts(section: Section) -> dict[str, str]:
+    """Robot, commanded speeds, and amounts of evaluation and training."""
+    configuration = section["configuration"]
     evaluation = configuration["evaluation"]
     sizes = ("iterations", "robots", "steps_per_iteration")
     samples = sum(  # control steps of both trainings, or of one
         math.prod(train.get(name, 0) for name in sizes)
         for train in (configuration["train"]["walking"], configuration["finetuning"] or {})
     )
-    labels = sources.section["labels"]
+    last = evaluation["seed"] + evaluation["trials"] - 1
     return {
-        "robot": configuration["robot"]["name"],
-        "controllers": " · ".join(labels[name] for name in evaluation["controllers"]),
+        "robot": configuration["robot"]["name"].upper(),
         "commanded speeds": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
-        "robots per speed": f"{evaluation['trials']} trials × {evaluation['robots']}",
+        "trials": f"{evaluation['trials']} (seeds {evaluation['seed']} to {last}) of "
+        f"{evaluation['robots']} robots, {evaluation['duration']:g} s each",
         "training": f"{samples / 1e6:.1f} million control steps",
     }
+
+
+def videos(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+    """A row of films per speed, one film per controller; then those on terrain."""
+    settings = section["report"]["video"]
+    films = sorted(_films(inputs, images), key=lambda about: (about["terrain"], about["speed"]))
+    if settings["renderer"] == "none":
+        yield "No videos: `report.video.renderer` is `none`."
+    elif not films:
+        yield _NO_RENDERER
+    else:
+        yield "One robot per film, all from the same start at rest."
+    for (terrain, speed), mine in by(films, "terrain", "speed").items():
+        yield f"## {f'{terrain}, ' if terrain else ''}{speed_text(speed)} m/s"
+        yield "\n".join(f"![{about['caption']}]({about['name']})" for about in mine)
+
+
+def _films(inputs: Inputs, images: Files) -> list[dict[str, Any]]:
+    """Facts of each video, with its name among the images and a caption."""
+    films = []
+    for index, folder in enumerate(inputs.get("videos", ())):
+        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        fate = f"walks at {about['mean_velocity']:z.2f} m/s"
+        if about["fell_at"] is not None:
+            fate = f"falls after {about['fell_at']:.1f} s"
+        about |= {"name": f"film_{index}", "caption": f"{about['label']}: {fate}"}
+        images[about["name"]] = folder / FILM
+        films.append(about)
+    return films
+
+
+def learning(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+    """For each training its periodic checks and, where recorded, the terms of its reward."""
+    yield (
+        "Periodic checks on a few robots (score: lower is better), and the largest terms of the "
+        "reward, weighted."
+    )
+    for name, title in _TRAININGS.items():
+        if name in inputs:  # there may be no pre-training, no fine-tuning
+            training = Training.load(inputs[name][0])
+            yield f"## {title}"
+            figure = partial(walking.draw_training, training)
+            yield draw(f"training_{name}", figure, out, images)
+            yield f"The policy of iteration {training.kept} was kept."
+
+
+def readings(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+    """A table per part of the paper, a row per statement, with its value in this run."""
+    yield "What the paper says, whether it is here as printed, and where that is configured."
+    heads = ["the paper says", "status", "here", "where", "in this run"]
+    for part, statements in by(read_statements(), "part").items():
+        rows = [
+            [*list(statement.values())[1:], in_effect(section["configuration"], statement["where"])]
+            for statement in statements
+        ]
+        yield Table(heads, rows, part).markdown
+
+
+def read_statements() -> list[dict[str, str]]:
+    """Each statement: part of the paper, what it says, status, what is here, and where."""
+    text = (files("slider.reports") / READINGS).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def in_effect(configuration: Mapping[str, Any], where: str) -> str:
+    """Value of the first place, if that is a dotted path to a single value."""
+    node: Any = configuration
+    for name in where.split(", ")[0].split("."):
+        if not isinstance(node, Mapping) or name not in node:
+            return ""
+        node = node[name]
+    return "" if isinstance(node, (Mapping, list)) else str(node)
+
+
+def origins(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+    """Commit, configuration, recipes, versions, seeds, machine, times."""
+    jobs = [
+        one
+        for name, recorded in section["origins"].items()
+        for one in zip(recorded, job.input_volatile[name], inputs[name], strict=True)
+    ]
+    return provenance.blocks(section["configuration"], jobs, job.volatile)
+
+
+WRITERS: dict[str, Callable[..., Iterator[str]]] = {
+    "overview": overview,
+    "videos": videos,
+    "learning": learning,
+    "readings": readings,
+    "provenance": origins,
+}
+"""Sections that no report of the pipeline has: functions of the stage's arguments and images."""

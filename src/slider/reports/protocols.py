@@ -15,14 +15,15 @@ from slider.config.convert import from_dict
 from slider.config.evaluation import EvaluationConfig, Segment
 from slider.core.errors import require
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
 from slider.evaluation.segments import SMOOTHING, profile_of
 from slider.reports import rows as tables
+from slider.reports.document import picture, write_document
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES, Quantity, speed_text
+from slider.reports.quantities import NONE, QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
-from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
@@ -45,8 +46,8 @@ drawn counts from {warm_up:g} s on: mean forward speed (band: one standard devia
 robots), share of robots that stay up (line) and that track (dots: mean speed within
 max({tracking_tolerance:g} m/s, {tracking_relative:.0%}) of the command), and mean squared error.
 ± is the standard deviation over trials, of the mean speed that between robots; brackets hold
-Wilson's 95 % interval. Speeds and errors are those of robots that stay up. `reports/{name}.csv`
-has all numbers, and how the robots walk.
+Wilson's 95 % interval. Speeds and errors are those of robots that stay up. `{name}.csv` has all
+numbers, and how the robots walk.
 
 A speed counts as tracked where at least {share:.0%} of the robots track it.
 """
@@ -59,7 +60,7 @@ share of robots that are still up.
 In the tables a segment counts from {settled:g} s after its start; the numbers are means over the
 robots that are up at its end. Errors are |mean − command|; the heading error is the largest
 deviation from the commanded heading, the integral of the yaw rate; touchdowns are those of both
-feet; the displacement is how far the base got. `reports/{name}.csv` has all numbers.
+feet; the displacement is how far the base got. `{name}.csv` has all numbers.
 """
 _CASES_CAPTION = """\
 Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's 95 %
@@ -68,7 +69,7 @@ rest. A robot survives a case if it stays up for all of it. The other numbers ar
 survivors, from {settled:g} s after the case's last command on. Where that command is zero, a robot
 stands if all means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest
 robot has the largest of these means, and the drift is how far the base got. Brackets hold Wilson's
-95 % interval. `reports/{name}.csv` has all numbers.
+95 % interval. `{name}.csv` has all numbers.
 """
 _SEGMENT_COLUMNS = (
     *("success_rate", "vx_error", "vy_error", "yaw_rate_error", "heading_error"),
@@ -87,8 +88,7 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     expected = "at least one of evaluation.speeds"
     require(bool(evaluations), "report.tracking_speeds", expected, speeds)
     rows = [row for one in evaluations for row in _tracking_rows(one, period)]
-    shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
-    shown += undrawn(evaluations, speeds)
+    shown = [picture(TRACKING), TRACKING_CAPTION, *undrawn(evaluations, speeds)]
     draw = partial(walking.draw_tracking, evaluations, period)
     title = "Forward velocity over time"
     _write(out / TRACKING, (title, section["robot"]), rows, draw, shown, job)
@@ -103,19 +103,19 @@ def _tracking_rows(one: Evaluation, period: float) -> Iterator[Row]:
         yield row | {"mean_velocity": mean, "mean_velocity_spread": spread}
 
 
-def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[Written]:
+def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[str]:
     """Curves that are not drawn, and why."""
     evaluated = {one.speed for one in evaluations}
     missing = ", ".join(speed_text(value) for value in speeds if value not in evaluated)
     if missing:
-        yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
+        yield f"Not drawn: {missing} m/s, not evaluated in this run."
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
         if one.speed is not None and one.speed in speeds and not one.robots.survived.any()
     ]
     if fallen:
-        yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
+        yield f"Not drawn: no survivors with {'; '.join(fallen)}."
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -124,7 +124,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
     title, _, rows_of, draw, _ = _KINDS[_kind(protocol)]
     rows = list(rows_of(evaluations, protocol))
-    shown = list(blocks(name, out / f"{name}.svg", evaluations, protocol))
+    shown = blocks(name, rows, protocol)
     figure = partial(draw, rows, evaluations, protocol)
     _write(out / name, (title, section["robot"]), rows, figure, shown, job)
     if protocol.profile is not None:
@@ -144,27 +144,25 @@ def _write(
     about: tuple[str, str],
     rows: list[Row],
     draw: Callable[[], Figure],
-    blocks: Iterable[Written],
+    parts: Iterable[str],
     job: Job,
 ) -> None:
     """Write ``stem``.csv, .svg and .md; ``about`` are a title and the robot's name."""
     tables.write(rows, stem.with_suffix(".csv"))
     write_pictures(stem, draw)
     title, robot = about
-    write_document(stem.with_suffix(".md"), f"{title}: {stem.name}", robot, blocks)
+    write_document(stem.with_suffix(".md"), f"{title}: {stem.name}", robot, parts)
 
 
-def blocks(
-    name: str, svg: Path, evaluations: Sequence[Evaluation], protocol: EvaluationConfig
-) -> Iterator[Written]:
+def blocks(name: str, rows: Sequence[Row], protocol: EvaluationConfig) -> Iterator[str]:
     """The figure of a protocol, its explanation and its tables."""
-    _, caption, rows_of, _, tables_of = _KINDS[_kind(protocol)]
+    _, caption, _, _, tables_of = _KINDS[_kind(protocol)]
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
     if profile := protocol.profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
-    yield Picture(svg)
-    yield Text(caption.format(**vars(protocol), **values))
-    yield from tables_of(list(rows_of(evaluations, protocol)))
+    yield picture(name)
+    yield caption.format(**vars(protocol), **values)
+    yield from (table.markdown for table in tables_of(rows))
 
 
 def _kind(protocol: EvaluationConfig) -> str:
@@ -186,10 +184,10 @@ def _speed_tables(rows: Sequence[Row]) -> Iterator[Table]:
     for row in rows:
         mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
         text = f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}"  # no -0.000
-        cells[row["label"], row["speed"]] = Cell(text, mean) if mean == mean else Cell("–")
+        cells[row["label"], row["speed"]] = text if mean == mean else NONE
     labels = list(by(rows, "label"))
     body = [
-        [Cell(speed_text(value), value), *(cells[name, value] for name in labels)]
+        [speed_text(value), *(cells[name, value] for name in labels)]
         for value in distinct(rows, "speed")
     ]
     yield Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
@@ -217,7 +215,7 @@ def _highest_table(rows: Sequence[Row]) -> Table:
         lower = ", ".join(speed_text(value) for value in lost if value < (top or 0.0)) or "none"
         body.append([mine[0]["label"], "none" if top is None else speed_text(top), lower])
     heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
-    return grid(heads, body)
+    return Table(heads, body)
 
 
 def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
@@ -242,9 +240,9 @@ def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:
         body = []
         for row in mine:
             velocity = ", ".join(f"{row[f'{axis}_command']:g}" for axis in AXES)
-            cells = [Cell(f"{row['time']:g}", row["time"]), Cell(row["segment"].replace("_", " "))]
-            numbers = (Cell.of(QUANTITIES[name], row[name]) for name in _SEGMENT_COLUMNS)
-            body.append([*cells, Cell(velocity), *numbers])
+            numbers = (QUANTITIES[name].text(row[name]) for name in _SEGMENT_COLUMNS)
+            name = row["segment"].replace("_", " ")
+            body.append([f"{row['time']:g}", name, velocity, *numbers])
         yield Table(heads, body, label)
 
 
@@ -288,7 +286,7 @@ def _case_tables(rows: Sequence[Row]) -> Iterator[Table]:
         for title, columns in _CASE_COLUMNS.items():
             shown = {name: QUANTITIES[MEANS.get(name, name)] for name in ("success_rate", *columns)}
             body = [
-                [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
+                [row["case"], f"{row['seconds']:g}"]
                 + [_case_cell(quantity, row, name) for name, quantity in shown.items()]
                 for row in mine
                 if _case_title(row) == title
@@ -304,11 +302,11 @@ def _case_title(row: Row) -> str:
     return _CONSTANT if np.isnan(row["standing_rate"]) else _STANDS
 
 
-def _case_cell(quantity: Quantity, row: Row, name: str) -> Cell:
+def _case_cell(quantity: Quantity, row: Row, name: str) -> str:
     """A share with its interval."""
     prefix = name.removesuffix("_rate")
     ends = (row.get(f"{prefix}_{end}", NAN) for end in ("low", "high"))
-    return Cell(quantity.between(row[name], *ends), row[name] if row[name] == row[name] else "")
+    return quantity.between(row[name], *ends)
 
 
 _KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {

@@ -8,7 +8,7 @@ import pandas as pd
 import yaml
 
 from slider.core.files import flatten
-from slider.reports.table import Cell, Table, Text, grid
+from slider.core.tables import Table
 
 _TEXT = (
     "This page was built from commit `{commit}` (a + stands for uncommitted changes). Times are "
@@ -17,6 +17,7 @@ _TEXT = (
     "cost nothing, so its commit may be an older one: same recipe, same result. A recipe is the "
     "digest of a job's configuration, source, package versions and inputs."
 )
+_AS_WRITTEN = {"sort_keys": False, "allow_unicode": True}
 _UNKNOWN = "not\u00a0recorded"
 _STAGES = {  # in the order in which they run; others follow
     "gait": "gaits",
@@ -40,7 +41,7 @@ def blocks(
     configuration: Mapping[str, Any],
     jobs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any], Path]],
     page: Mapping[str, Any],
-) -> Iterator[Text | Table | dict[str, Any]]:
+) -> Iterator[str]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
     ``jobs`` are of each result of the page the origin (stage, label, recipe, source digest,
@@ -49,24 +50,20 @@ def blocks(
     """
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
     table = _table(jobs, page.get("pipeline_started"))
-    yield Text(_TEXT.format(commit=_commit(page)))
-    yield _stages(table)
+    yield _TEXT.format(commit=_commit(page))
+    yield _stages(table).markdown
     machines = _machines(table)
-    yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
+    yield f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}."
     leaves = flatten(configuration).items()
     seeds = [[name, str(value)] for name, value in leaves if name.endswith(".seed")]
-    yield grid(["seed", "value"], seeds)
-    yield _details("Versions of packages", grid(["package", "version"], sorted(versions.items())))
-    recipes = table[["stage", "label", "recipe", "object", "source", "commit"]].to_numpy()
-    heads = ["stage", "job", "recipe", "object", "source digest", "commit"]
-    yield _details("Recipes, objects and commits of all jobs", grid(heads, recipes.tolist()))
-    text = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
-    yield _details("Resolved configuration", text=text)
-
-
-def _details(summary: str, table: Table | None = None, text: str = "") -> dict[str, Any]:
-    """A table or a text that opens by a click."""
-    return {"kind": "details", "summary": summary, "table": table, "text": text}
+    yield Table(["seed", "value"], seeds).markdown
+    columns = ["stage", "label", "recipe", "object", "source", "commit"]
+    for title, text in (
+        ("Versions of packages", yaml.safe_dump(versions)),
+        ("Recipes, objects and commits of all jobs", table[columns].to_csv(index=False)),
+        ("Resolved configuration", yaml.safe_dump(dict(configuration), **_AS_WRITTEN)),
+    ):
+        yield f"## {title}\n\n````\n{text}````"
 
 
 def _table(
@@ -113,10 +110,8 @@ def _stages(table: pd.DataFrame) -> Table:
         times = (sum(jobs[name].tolist()) for name in ("wall_s", "cpu_s"))
         ended = max(jobs["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
         body.append(
-            [Cell(stage_title(str(stage)))]
-            + [Cell(str(count), count) for count in counts]
-            + [Cell(f"{seconds:.1f}", seconds) for seconds in times]
-            + [Cell(ended), Cell(", ".join(sorted(set(jobs["commit"]))))]
+            [stage_title(str(stage)), *map(str, counts), *(f"{seconds:.1f}" for seconds in times)]
+            + [ended, ", ".join(sorted(set(jobs["commit"])))]
         )
     return Table([*heads, "finished (UTC)", "commit"], body)
 

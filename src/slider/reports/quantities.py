@@ -138,6 +138,7 @@ def decimals(value: float) -> int:
 
 
 OURS, PAPER = "measured", "paper"  # the column ``source`` of Table 1
+PAPER_ROBOT = "slider"  # ``robot.name``
 
 # Tell apart in print, by colour-blind readers, on light and on dark ground.
 PALETTE = ("#2a6fc9", "#e8932c", "#2a9d74", "#b565b5", "#8b8f96", "#c4a000", "#d1495b")

@@ -1,7 +1,8 @@
-"""Sections of the page: title and inputs of each.
+"""Sections of the page: title, inputs, and where each is written.
 
-A new section is a line here and the function of its name in ``slider.reports.contents``. This
-module draws nothing, so that the jobs are laid out without what draws.
+A new section is a line here; if no report of the pipeline has its text, also a function in
+``slider.reports.page``. This module draws nothing, so that the jobs are laid out without what
+draws.
 """
 
 from typing import NamedTuple
@@ -15,39 +16,60 @@ PROTOCOLS = ("robust", "sweep", "joystick", "heldout")
 
 
 class PageSection(NamedTuple):
-    """Heading of a section and names of its inputs.
+    """Heading of a section, names of its inputs, and the Markdown of these that it shows.
 
-    One is a target of ``pipeline/targets.py``, such as ``verification``; a group of a target's own
-    inputs, such as ``table1.evaluations``; or ``videos``. One that a configuration may be without
-    has a question mark at its end.
+    An input is a target of ``pipeline/targets.py``, such as ``verification``; a group of a
+    target's own inputs, such as ``table1.evaluations``; or ``videos``. One that a configuration
+    may be without has a question mark at its end. ``documents`` are ``INPUT/FILE``.
     """
 
     title: str
     needs: tuple[str, ...] = ()
+    documents: tuple[str, ...] = ()
+    about: str = ""
+
+
+def _reported(title: str, *names: str, about: str = "") -> PageSection:
+    """A section of the reports of some targets."""
+    targets = (name.removesuffix(OPTIONAL) for name in names)
+    return PageSection(title, names, tuple(f"{name}/{name}.md" for name in targets), about)
 
 
 _TRAININGS = ("standing?", "untuned?", "walking")
 SECTIONS = {
-    "overview": PageSection("In short", ("table1.evaluations", "videos?")),
-    "table1": PageSection("Table 1", ("table1.evaluations", "table1.library?")),
-    "tracking": PageSection("Velocity tracking", ("table1.evaluations",)),
+    "overview": PageSection("In short", ("table1", "videos?")),
+    "table1": PageSection("Table 1", ("table1",), ("table1/table1.md", "table1/gait_quality.md")),
+    "tracking": _reported("Velocity tracking", "velocity_tracking?"),
     "videos": PageSection("Videos", ("videos",)),
-    "gaits": PageSection("Gait library", ("library", "figures")),
-    "verification": PageSection(
-        "Verification", ("verification", "verification.gaits", "verification_maps")
+    "gaits": PageSection(
+        "Gait library",
+        ("figures",),
+        tuple(f"figures/{name}.md" for name in ("gait_tiles", "velocity_maps", "limit_cycles")),
     ),
+    "verification": _reported("Verification", "verification", "verification_maps"),
     "learning": PageSection("Learning curves", _TRAININGS),
-    "ablation": PageSection("Ablation", ("ablation",)),
-    "gauge": PageSection("Gauge", ("gauge",)),
+    "ablation": _reported("Ablation", "ablation"),
+    "gauge": _reported("Gauge", "gauge"),
     "readings": PageSection("The paper, statement by statement"),
     "provenance": PageSection(
         "Provenance",
         ("library.gaits", "library", *_TRAININGS, "table1.evaluations", "table1"),
     ),
-    "robust": PageSection("Disturbed robots", ("robust", "robust.evaluations")),
-    "sweep": PageSection("Sweep of the commanded speed", ("sweep", "sweep.evaluations")),
-    "joystick": PageSection("Changing commands", ("joystick", "joystick.evaluations")),
-    "heldout": PageSection("Held-out commands", ("heldout", "heldout.evaluations")),
+    "robust": _reported(
+        "Disturbed robots",
+        "robust",
+        about="Noise, delay, pushes, and robots and ground that differ from those of the training.",
+    ),
+    "sweep": _reported("Sweep of the commanded speed", "sweep"),
+    "joystick": _reported(
+        "Changing commands", "joystick", about="Commands as from a joystick, changing on the way."
+    ),
+    "heldout": _reported(
+        "Held-out commands",
+        "heldout",
+        about="Speeds between those that checkpoints are chosen by, a minute of each, stops, "
+        "sideways.",
+    ),
 }
 
 

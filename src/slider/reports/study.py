@@ -14,15 +14,16 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table
 from slider.evaluation.results import Evaluation, wilson
 from slider.gait import REPORT
 from slider.gait.study import MeshGait
 from slider.library.stage import acceptable
 from slider.reports import rows
+from slider.reports.document import picture, write_document
 from slider.reports.figures import study as figure
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity, speed_text
-from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 from slider.training.results import Training
 
 WALKS = 0.95
@@ -58,7 +59,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
     write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
     title = name.replace("_", " ").capitalize()
-    write_document(out / f"{name}.md", title, section["robot"], blocks(name, out))
+    write_document(out / f"{name}.md", title, section["robot"], blocks(name, summary))
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 
@@ -222,19 +223,18 @@ def strongest(summary: pd.DataFrame) -> pd.DataFrame:
     return shown.loc[by_place]
 
 
-def blocks(name: str, folder: Path) -> Iterator[Written]:
-    """Figure and tables from the files of a study: per metric variants down, speeds across."""
-    summary = pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
+def blocks(name: str, summary: pd.DataFrame) -> Iterator[str]:
+    """Figure and tables of a study: per metric variants down, speeds across."""
     shown, count = strongest(summary), summary["variant"].nunique()
-    yield Text(
+    yield (
         "Means over runs (least to greatest); of a single run with its 95 % interval where there "
         "is one. Errors and quality are those of surviving robots. \\*: the 95 % interval of the "
-        f"change against the first row excludes 0. `reports/{name}.csv` has all {count} variants."
+        f"change against the first row excludes 0. `{name}.csv` has all {count} variants."
     )
-    yield Picture(folder / f"{name}.svg")
-    yield _variants(shown)
+    yield picture(name)
+    yield _variants(shown).markdown
     for metric, mine in shown.dropna(subset="metric").groupby("metric", sort=False):
-        yield _table(quantity(str(metric)), mine)
+        yield _table(quantity(str(metric)), mine).markdown
 
 
 def _variants(summary: pd.DataFrame) -> Table:
@@ -245,7 +245,7 @@ def _variants(summary: pd.DataFrame) -> Table:
         + [" ".join(row.note.split())]
         for row in variants.itertuples()
     ]
-    return grid(heads, body)
+    return Table(heads, body)
 
 
 def _table(metric: Quantity, summary: pd.DataFrame) -> Table:
@@ -254,18 +254,18 @@ def _table(metric: Quantity, summary: pd.DataFrame) -> Table:
     for _, mine in summary.groupby("variant", sort=False):
         label = mine["label"].iloc[0]
         cells = {row.speed: _cell(metric, row) for row in mine.itertuples()}
-        body.append([Cell(label, label), *(cells.get(v, Cell(NONE)) for v in speeds)])
+        body.append([label, *(cells.get(v, NONE) for v in speeds)])
     heads = ["variant", *(f"{speed_text(v)} m/s" if v == v else "training" for v in speeds)]
     return Table(heads, body, metric.heading)
 
 
-def _cell(metric: Quantity, row: Any) -> Cell:
+def _cell(metric: Quantity, row: Any) -> str:
     if row.count == 1:
         text = metric.between(row.mean, row.low, row.high)
     else:
         text = metric.ranged(row.mean, row.least, row.greatest)
     different = row.change_low > 0 or row.change_high < 0
-    return Cell(f"{text} \\*" if different else text, row.mean)
+    return f"{text} \\*" if different else text
 
 
 def _items(section: Section, inputs: Inputs, group: str) -> Iterator[tuple[list[Any], Path]]:

@@ -1,21 +1,28 @@
 """The stage ``table1``: ours beside the paper's, one row per controller and command."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table, escape
 from slider.evaluation.results import ERRORS, Evaluation
 from slider.reports import rows as tables
-from slider.reports.quantities import PAPER, QUANTITIES, decimals, quantity, speed_text
+from slider.reports.document import write_document
+from slider.reports.quantities import (
+    NONE,
+    PAPER,
+    PAPER_ROBOT,
+    QUANTITIES,
+    decimals,
+    quantity,
+    speed_text,
+)
 from slider.reports.rows import NAN, Row
-from slider.reports.table import Cell, Heading, Table, Text, Written, escape, write_document
 
 COLUMNS = (
     *("controller", "label", "source", "speed"),
@@ -28,20 +35,18 @@ METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "t
 The paper does not say whether its MSE has the start in it: it stands beside both of ours.
 """
 _COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
-_PAPER_TABLE, _PAPER_ROBOT = "paper_table1.csv", "slider"
-_PROTOCOL = (
-    "{trials} trials (seeds {seed} to {last}) × {robots} robots × {duration:g} s per command, from "
-    "rest. "
-)
+_PAPER_TABLE = "paper_table1.csv"
 _QUALITY = (
     "Means over surviving robots; – where none survived. Success and velocity error do not show a "
-    "limp. `reports/gait_quality.csv` has all digits."
+    "limp. `gait_quality.csv` has all digits."
 )
 _CAPTION = (
     "Best values are bold, errors among controllers whose success is within 1 % of the best; "
     "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
-    "rate. Errors are those of robots that survive. The paper, if it has this robot, "
-    "states one MSE and not whether the start counts: it stands beside both of ours."
+    "rate. Errors are those of robots that survive."
+)
+_PAPERS = (
+    " The paper states one MSE and not whether the start counts: it stands beside both of ours."
 )
 
 
@@ -52,9 +57,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     tables.write(rows, out / "table1.csv", COLUMNS)
     quality = _quality_rows(evaluations, inputs.get("library", ()))
     tables.write(quality, out / "gait_quality.csv")
-    compared = comparisons(rows)
-    write_document(out / "table1.md", "Table 1", section["robot"], [Text(_CAPTION), *compared])
-    lines = [f"% Robot: {section['robot']}. {escape(_CAPTION)}", "% Needs \\usepackage{booktabs}."]
+    compared, robot, caption = comparisons(rows), section["robot"], _CAPTION
+    if robot == PAPER_ROBOT:
+        caption += _PAPERS
+    parts = [caption, *(table.markdown for table in compared)]
+    write_document(out / "table1.md", "Table 1", robot, parts)
+    parts = [_QUALITY, *(table.markdown for table in quality_tables(quality))]
+    write_document(out / "gait_quality.md", "How it walks", robot, parts)
+    lines = [f"% Robot: {robot}. {escape(caption)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")
     ours = rows[: len(evaluations)]
@@ -65,23 +75,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(ours)}
 
 
-def blocks(
-    evaluations: Sequence[Evaluation], library: Sequence[Path], configuration: Mapping[str, Any]
-) -> Iterator[Written]:
-    """On the page: a table per metric, and one per controller about the quality of its gait."""
-    protocol = configuration["evaluation"]
-    last = protocol["seed"] + protocol["trials"] - 1
-    yield Text(_PROTOCOL.format(last=last, **protocol) + _CAPTION)
-    yield from comparisons(table_rows(evaluations, configuration["robot"]["name"]))
-    yield Heading("How it walks")
-    yield Text(_QUALITY)
-    yield from quality_tables(_quality_rows(evaluations, library))
-
-
 def table_rows(evaluations: Sequence[Evaluation], robot: str) -> list[Row]:
     """Rows of ``table1.csv``: ours, then the paper's where ``robot`` names the paper's robot."""
     rows = [tables.table_row(one) for one in evaluations]
-    return rows + (paper_rows() if robot == _PAPER_ROBOT else [])
+    return rows + (paper_rows() if robot == PAPER_ROBOT else [])
 
 
 def _quality_rows(evaluations: Sequence[Evaluation], library: Sequence[Path]) -> list[Row]:
@@ -107,7 +104,7 @@ def quality_tables(rows: list[Row]) -> Iterator[Table]:
             hidden |= set(ERRORS)
         heads = ["at a command of [m/s]", *(speed_text(row["speed"]) for row in mine)]
         body = [
-            [Cell(quantity(name).heading), *(Cell.of(quantity(name), row[name]) for row in mine)]
+            [quantity(name).heading, *(quantity(name).text(row[name]) for row in mine)]
             for name in mine[0]
             if name not in hidden
         ]
@@ -130,7 +127,7 @@ def compare(rows: Sequence[Row], name: str) -> Table:
         controllers = [item for item in controllers if item[0] != PAPER]
     commands = sorted({command for source, _, command in cells if source != PAPER})
     body = [
-        [Cell(speed_text(v), v), *_marked([cells.get((*one, v)) for one in controllers], name)]
+        [speed_text(v), *_marked([cells.get((*one, v)) for one in controllers], name)]
         for v in commands
     ]
     names = {(row["source"], row["controller"]): row["label"] for row in rows}
@@ -139,7 +136,7 @@ def compare(rows: Sequence[Row], name: str) -> Table:
     return Table(heads, body, quantity.title if quantity.share else quantity.heading)
 
 
-def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
+def _marked(rows: Sequence[Row | None], name: str) -> list[str]:
     """Errors are those of robots that survived: one is best only among controllers that hardly
     lose more robots than any.
     """
@@ -155,17 +152,17 @@ def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
     digits = 3 if share else decimals(best)
     best = round(best, digits)
     return [
-        replace(cell, best=bool(one) and round(value, digits) == best)
+        f"**{cell}**" if one and round(value, digits) == best else cell
         for cell, value, one in zip(cells, values, fair, strict=True)
     ]
 
 
-def _cell(row: Row | None, value: float, name: str) -> Cell:
+def _cell(row: Row | None, value: float, name: str) -> str:
     """Such as ``99.6 % ± 0.5 [99.0, 99.8]`` or ``0.00837 ± 0.00003``."""
     if row is None or math.isnan(value):
-        return Cell("–")
+        return NONE
     if math.isinf(value):
-        return Cell("∞", value)
+        return "∞"
     share = QUANTITIES[name].share
     spread = math.nan if row["source"] == PAPER else row[f"{name}_std"]
     scale, digits, unit = (100, 1, " %") if share else (1, decimals(value), "")
@@ -174,4 +171,4 @@ def _cell(row: Row | None, value: float, name: str) -> Cell:
         text += f" ± {scale * spread:.{digits}f}"
     if name == "success_rate" and not math.isnan(row["success_low"]):
         text += f" [{100 * row['success_low']:.1f}, {100 * row['success_high']:.1f}]"
-    return Cell(text, value)
+    return text

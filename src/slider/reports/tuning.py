@@ -9,12 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table
 from slider.evaluation.tuning import CSV, ERROR, FINALIST, SUCCESS
 from slider.reports import rows as tables
+from slider.reports.document import picture, write_document
 from slider.reports.figures.style import new_figure, write_pictures
 from slider.reports.quantities import QUANTITIES, colour, speed_text
 from slider.reports.rows import Row
-from slider.reports.table import Cell, Picture, Table, Text, Written, grid, write_document
 
 _CAPTION = """\
 The score is the mean over the commands v of log10(e / v² + f / 10), with e the mean squared
@@ -34,9 +35,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     columns = dict.fromkeys(column for row in rows for column in row)
     tables.write(rows, out / "baseline_tuning.csv", list(columns))
     write_pictures(out / "baseline_tuning", partial(_draw, trials, section["labels"]))
-    written = [block for name in names for block in _blocks(name, trials[name], section)]
-    figure = Picture(out / "baseline_tuning.svg", "Best score so far over the trials.")
-    shown = [Text(_CAPTION), figure, *written]
+    written = [table for name in names for table in _tables(name, trials[name], section)]
+    shown = [_CAPTION, picture("baseline_tuning"), *(table.markdown for table in written)]
     write_document(out / "baseline_tuning.md", "Tuned baselines", section["robot"], shown)
     scores = {name: _present_and_best(trials[name])[1]["score"] for name in names}
     return {"trials": len(rows), "scores": scores}
@@ -51,7 +51,7 @@ def _present_and_best(trials: Sequence[Row]) -> tuple[Row, Row]:
     return finalists[0], min(finalists, key=lambda row: row["score"])
 
 
-def _blocks(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Iterator[Written]:
+def _tables(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Iterator[Table]:
     """Settings, then success and error at each command, of the present and the best trial."""
     (present, best), label = _present_and_best(trials), section["labels"][name]
     score = f"trial {best['trial']:g} of {len(_of(trials, 0))}, score {best['score']:.3f}"
@@ -60,15 +60,15 @@ def _blocks(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Ite
     for key, limits in section["spaces"][name].items():
         values = (f"{trial[key]:.3g}" for trial in (present, best))
         body.append([key, f"{limits['lower']:g} to {limits['upper']:g}", *values])
-    yield grid(heads, body, label)
+    yield Table(heads, body, label)
     prefix = f"{SUCCESS}_"
     speeds = [column.removeprefix(prefix) for column in best if column.startswith(prefix)]
     lines = []
     for title, row in (("present", present), ("best", best)):
         for key, quantity in ((SUCCESS, "success_rate"), (ERROR, "mse_steady")):
             shown = QUANTITIES[quantity]
-            texts = (Cell.of(shown, row[f"{key}_{speed}"]) for speed in speeds)
-            lines.append([Cell(f"{shown.heading}, {title}"), *texts])
+            texts = (shown.text(row[f"{key}_{speed}"]) for speed in speeds)
+            lines.append([f"{shown.heading}, {title}", *texts])
     yield Table(["command [m/s]", *(speed_text(float(speed)) for speed in speeds)], lines)
 
 

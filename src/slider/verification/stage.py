@@ -112,7 +112,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     summary.write_csv(out / CSV, table, failures)
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     (out / JSON).write_text(text, encoding="utf-8")
-    summary.write_markdown(out / MARKDOWN, table, quantities)
+    summary.write_markdown(out / MARKDOWN, table, quantities, failures)
     return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 

@@ -82,12 +82,15 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
     table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
 
 
+_SHOWN_FAILURES = 20
 _OVER_SPEED = "plant_force", "plant_torque", "plant_voltage", "dense_cop"
 _HOLDS = {None: "", True: "", False: " **(not held)**"}
 
 
-def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any]) -> None:
-    """Worst values by quantity, and some over the speed straight ahead."""
+def write_markdown(
+    path: Path, table: pd.DataFrame, quantities: Mapping[str, Any], failed: Sequence[Failure]
+) -> None:
+    """The verdict, worst values by quantity, and some over the speed straight ahead."""
     rows = []
     for name, row in quantities.items():
         about, bound = QUANTITIES[name], row["bound"]
@@ -96,7 +99,13 @@ def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any
         values = [_short(row["worst"]), place(row), _short(row["median"])]
         rows.append([*head, *values, limit + _HOLDS[row["passed"]]])
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
-    lines = [f"{len(table)} gaits.", "", *markdown_rows(head, rows)]
+    bounded = sum(row["bound"] is not None for row in quantities.values())
+    verdict = f"{len(failed)} values are beyond their bounds:" if failed else "All bounds hold."
+    lines = [f"{len(table)} gaits, {bounded} bounds. **{verdict}**", ""]
+    lines += [f"* {failure.text}" for failure in failed[:_SHOWN_FAILURES]]
+    if len(failed) > _SHOWN_FAILURES:
+        lines.append(f"* {len(failed) - _SHOWN_FAILURES} more in `verification.csv`")
+    lines += ["", *markdown_rows(head, rows)]
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
         head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]

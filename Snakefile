@@ -28,6 +28,7 @@ PIPELINE = open_pipeline(
     Path(workflow.basedir) / "conf",
     head=workflow.is_main_process,
     cores=workflow.resource_settings.cores,
+    dry_run=workflow.output_settings.dryrun,
 )
 
 

@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core import environment
+from slider.core import environment, files
 from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
@@ -59,7 +60,8 @@ def _print(line: object) -> None:
 class Pipeline:
     """The jobs of one configuration, as files below the working directory.
 
-    ``cores`` are those that all jobs share; ``None`` on a cluster, where each has its own.
+    ``cores`` are those that all jobs share; ``None`` on a cluster, where each has its own. A
+    ``dry_run`` removes nothing.
     """
 
     config: Config
@@ -69,6 +71,7 @@ class Pipeline:
     store: Store
     conf: Path
     cores: int | None = None
+    dry_run: bool = False
     tracking: Tracking | None = None
 
     @property
@@ -127,7 +130,7 @@ class Pipeline:
                 targets = {name: self.plan.jobs[r] for name, r in self.plan.targets.items()}
                 job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
                 self.plan = build_plan(targets | {target: job})
-                self.plan_path = _lay_out(self.plan, self.store, self.config)
+                self.plan_path = _lay_out(self.plan, self.store, self.config, self.dry_run)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
         return find
@@ -211,9 +214,15 @@ def cancel_rest(workflow: Any) -> None:
 
 @one_line()
 def open_pipeline(
-    settings: Mapping[str, Any], conf: Path, head: bool = True, cores: int | None = None
+    settings: Mapping[str, Any],
+    conf: Path,
+    head: bool = True,
+    cores: int | None = None,
+    dry_run: bool = False,
 ) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1.
+
+    A ``dry_run`` removes nothing.
 
     On a cluster each job reads the Snakefile once more. It is not the ``head``: it takes the head's
     plan as it is, also where the processor is another one, and leaves the store to the head.
@@ -236,15 +245,17 @@ def open_pipeline(
         notes = Path(".snakemake")  # also in a dry run; where it cannot be, Snakemake shows a trace
         notes.mkdir(exist_ok=True)
         tempfile.TemporaryFile(dir=notes).close()
-        path = _lay_out(plan, store, config)
+        path = _lay_out(plan, store, config, dry_run)
     finally:
         gc.enable()
-    return Pipeline(config, overrides, plan, path, store, conf, cores)
+    return Pipeline(config, overrides, plan, path, store, conf, cores, dry_run)
 
 
-def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
+def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
     folder = store.root / "plans"
+    reports = (map(Path, names) for names in report_files(config).values())
+    files.check_places([*store.places(plan.jobs.values()), *chain(*reports)])
     try:
         path = write_plan(plan, folder)
     except OSError as error:
@@ -252,8 +263,8 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
             raise
         return plan_path(plan, folder)
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
-    for name in drop_damaged(store, manifests).damage:
-        _print(f"dropped {name}")
+    for line in drop_damaged(store, manifests, dry_run):
+        _print(line)
     if remote := config.store.remote:
         try:
             account = pull(store, plan.jobs, Remote(remote))

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
-from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
+from slider.core.errors import UserError, not_written, require_docstrings
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
@@ -76,10 +76,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        unwritten = not_written(error, Path(ARTEFACTS))
-        if unwritten is None and not is_read_only(error):
+        if error.errno is None:
             raise
-        line = str(unwritten or f"{error.filename}: {error.strerror}")
+        line = str(not_written(error, Path(ARTEFACTS)) or f"{error.filename}: {error.strerror}")
     print(f"slider: {line}", file=sys.stderr)
     return 1
 

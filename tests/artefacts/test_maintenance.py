@@ -1,7 +1,10 @@
 """Care of the store: ``slider store verify`` repairs what it names, ``gc`` keeps recent plans."""
 
 import os
+import shutil
+import subprocess
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +12,13 @@ import pytest
 
 from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, collect, date_now, drop_damaged, verify
+from slider.artefacts.manifest import SCHEMA
 from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.samples import GAITS, LIBRARY, PLAN, TABLE, compute, damage, data, fill
+from tests.artefacts.samples import GAITS, LIBRARY, PLAN, TABLE, compute, damage, data, fill, forge
 
 GAIT = GAITS[0]
 ONE = build_plan({"table1": GAIT})
@@ -95,10 +99,13 @@ def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
     manifest = full.read_manifest("gait", GAIT.recipe)
     damage(data(full, manifest))
     manifests = paths(full, *PLAN.jobs.values())
-    assert drop_damaged(full, manifests).objects == [manifest.result.object]
+    line = f"gait/{GAIT.recipe}.json, with a damaged object"
+    assert drop_damaged(full, manifests, dry_run=True) == [f"found {line}"]
+    assert all(path.is_file() for path in manifests)
+    assert drop_damaged(full, manifests) == [f"dropped {line}"]
     assert full.indexed(GAIT.key({})) is None
     assert [path for path in manifests if not path.is_file()] == paths(full, GAIT)
-    assert drop_damaged(full, manifests) == Removed([], [])
+    assert drop_damaged(full, manifests) == []
 
 
 def test_collect_keeps_what_the_latest_plans_reach(store):
@@ -107,10 +114,10 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     for age, job in ((100, old), (0, new)):
         path = write_plan(build_plan({"table1": job}), store.root / "plans")
         os.utime(path, (1e9 - age, 1e9 - age))
-    (store.root / "tmp" / "killed").mkdir(parents=True)
+    (store.root / "objects" / "tmp" / "killed").mkdir(parents=True)
     (store.root / "gait" / ".x.json.1.part").write_text("")
     assert collect(store, keep=2).objects == []
-    assert not (store.root / "tmp").exists()
+    assert not (store.root / "objects" / "tmp").exists()
     assert not list(store.root.rglob(files.TEMPORARY_PATTERN))
     removed = collect(store, keep=1, dry_run=True)
     assert removed.objects == [lost]
@@ -125,6 +132,50 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     path.write_bytes(b"\xff")
     with pytest.raises(UserError, match=r"expected a plan, found none at .*store verify` drops it"):
         collect(store, keep=1)
+
+
+def test_what_another_version_wrote_stays(full):
+    """Its plan keeps what it reaches; where a digest does not fit, it is damage."""
+    path = full.manifest_path("gait", GAIT.recipe)
+    forge(path, schema=SCHEMA + 1)
+    text = files.canonical({"tasks": {GAIT.recipe: "of the future"}})
+    plan = full.root / "plans" / f"{files.digest_text(text)}.json"
+    files.write_atomic(plan, text)
+    assert replace(verify(full), others=0) == Removed([], [])
+    assert verify(full).others == 2
+    collect(full, keep=1)
+    assert full.manifests() == [path]
+    assert len(full.objects()) == 1
+    forge(path, signed=False, schema=SCHEMA + 2)
+    assert verify(full).unreadable == [f"gait/{path.name}"]
+
+
+@pytest.fixture
+def layered(tmp_path) -> Iterator[Store]:
+    """A finished store in a lower layer, as in the image of a container."""
+    names = ("lowerdir", "upperdir", "workdir", "merged")
+    layers = {name: tmp_path / name for name in names}
+    for folder in layers.values():
+        folder.mkdir()
+    fill(Store(layers["lowerdir"] / "artefacts"))
+    options = ",".join(f"{name}={layers[name]}" for name in names[:3])
+    command = ["mount", "-t", "overlay", "overlay", "-o", options, layers["merged"]]
+    if shutil.which("mount") is None or subprocess.run(command, capture_output=True).returncode:
+        pytest.skip("may not mount an overlay")
+    yield Store(layers["merged"] / "artefacts")
+    subprocess.run(["umount", "--lazy", layers["merged"]], check=True)
+
+
+@pytest.mark.parametrize("care", [verify, lambda store: compute(store, GAIT)])
+def test_a_damaged_object_of_a_lower_layer_is_repaired(layered, care):
+    """Such a folder cannot be renamed (EXDEV)."""
+    damage(data(layered, layered.read_manifest("gait", GAIT.recipe)))
+    care(layered)
+    manifest = compute(layered, GAIT)
+    assert layered.is_whole(manifest.result.object)
+    write_plan(ONE, layered.root / "plans")
+    assert len(collect(layered, keep=1).objects) == 7
+    assert layered.objects() == [manifest.result.object]
 
 
 def test_only_what_is_from_the_future_is_dated(store, tmp_path):

@@ -1,7 +1,10 @@
 """The runner: cut-off, interrupted jobs, changed sources, damaged inputs."""
 
 import multiprocessing
+import os
+import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -99,6 +102,28 @@ def test_lost_manifest_is_written_again_without_computing(package, store):
     assert path.read_text() == text
     assert facts(store, spec) == before
     assert '"inf": "inf"' in text
+
+
+def test_a_power_cut_loses_no_finished_job(package, store, monkeypatch):
+    """Object, then manifest are on the disk, names included, before the checkpoints go."""
+    synced: list[Path] = []
+    monkeypatch.setattr(os, "fsync", lambda d: synced.append(Path(f"/proc/self/fd/{d}").readlink()))
+    spec = job(package, "first", {"value": 10})
+    work, rmtree = store.work_folder("first", spec.recipe), shutil.rmtree
+
+    def forget(folder: Path, **options: Any) -> None:
+        if folder == work:
+            manifest = store.read_manifest("first", spec.recipe)
+            path, folder_of = store.manifest_path("first", spec.recipe), manifest.result.object
+            names = [place.name for place in synced]
+            assert names.index("value.txt") < names.index(folder_of[:2]) < names.index("first")
+            assert {path.parent, store.root, store.root / "objects"} <= {*synced}
+            assert any(name.startswith(f".{path.name}") for name in names)
+        rmtree(folder, **options)
+
+    monkeypatch.setattr(shutil, "rmtree", forget)
+    Runner(store).run(spec)
+    assert not work.exists()
 
 
 def test_a_broken_index_entry_or_fact_is_computed_again(package, store):

@@ -197,7 +197,7 @@ def test_what_a_remote_says_is_not_trusted(kind, name, filled, full, bare):
     assert not any("\n" in line or len(line) > 1000 for line in account.damage)
     written = set(filled.folder.parent.rglob("*")) - before
     assert all(path.is_relative_to(bare.root) for path in written)
-    assert not list((bare.root / "tmp").iterdir())
+    assert not list((bare.root / "objects" / "tmp").iterdir())
     assert verify(bare) == Removed([], [])
     account = push(full, JOBS, filled.remote, verify=True)
     assert account.counts == {"sent": 1, "already there": 7}

@@ -5,6 +5,8 @@ N`` takes each N-th trial.
 """
 
 import argparse
+import errno
+import os
 import shutil
 import signal
 import sys
@@ -16,7 +18,7 @@ from itertools import islice
 from pathlib import Path
 
 from tests.faults.chain import TRUTH, Chain, Ended, chain, process
-from tests.faults.operations import count, kill_at, no_file_beyond, no_space_from
+from tests.faults.operations import count, kill_at, no_file_beyond, no_reading_at, no_space_from
 
 SIZES = (0, 1, 20, 200, 2000)  # of the largest file on a full disk [bytes]
 PLACES = {"first byte": 0.0, "middle": 0.5, "last byte": 1.0}
@@ -41,6 +43,11 @@ def trials(whole: Chain, scratch: Path) -> Iterator[Trial]:
         for size in SIZES:
             at = f"{name}, {size} bytes"
             yield Trial("disk full within a file", at, broken(name, no_file_beyond, size))
+    for name in (*whole.actions, *whole.care):
+        for number in range(1, readings(whole, name, scratch) + 1):
+            for code in (errno.EIO, errno.EMFILE, errno.EACCES):
+                at = f"{name}, reading {number}, {errno.errorcode[code]}"
+                yield Trial("a passing fault", at, unread(whole, name, number, code))
     for path in sorted(whole.folder.rglob("*")):
         if path.is_file():
             yield from of_a_file(whole, path.relative_to(whole.folder))
@@ -74,6 +81,31 @@ def operations(whole: Chain, name: str, scratch: Path) -> int:
     note = scratch / "count"
     assert broken(name, lambda root, _: count(root, note), 0)(fresh).status == 0
     return int(note.read_text())
+
+
+def readings(whole: Chain, name: str, scratch: Path) -> int:
+    """How much an action reads in a finished pipeline."""
+    copied = whole.copy(Path(tempfile.mkdtemp(dir=scratch)) / "chain")
+    note = scratch / "count"
+    action = (copied.actions | copied.care)[name]
+    assert process(action, count(copied.folder, note, reading=True)).status == 0
+    return int(note.read_text())
+
+
+def unread(whole: Chain, name: str, number: int, code: int):
+    """One reading fails in a finished pipeline: it loses nothing."""
+
+    def act(pipeline: Chain) -> None:
+        whole.copy(pipeline.folder)
+        before = pipeline.content()
+        action = (pipeline.actions | pipeline.care)[name]
+        ended = process(action, no_reading_at(pipeline.folder, number, code))
+        assert "Traceback" not in ended.said, ended.said
+        assert ended.status == 0 or os.strerror(code) in ended.said, ended
+        lost = before.keys() - pipeline.content().keys()
+        assert not lost, f"{ended}: lost {lost}"
+
+    return act
 
 
 def broken(name: str, fault: Callable[[Path, int], Callable[[], None]], number: int):

@@ -85,7 +85,8 @@ class Chain:
         with one_line():
             write_plan(self.plan, self.store.root / "plans")
             paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
-            drop_damaged(self.store, paths)
+            for line in drop_damaged(self.store, paths):
+                print(line)
             date_now(self.store, [*paths, *self.store.root.glob("current/*")])
             refresh_marker(self.store, self.plan, "table1", [self.report])
         return 0
@@ -108,8 +109,24 @@ class Chain:
                 return ended
         return Ended(0, "")
 
+    @property
+    def care(self) -> dict[str, Callable[[], int]]:
+        """What looks after a store."""
+        store = ["store", "--artefacts", str(self.store.root)]
+        return {
+            "verify": lambda: main([*store, "verify"]),
+            "gc": lambda: main([*store, "gc", "--keep", "1"]),
+        }
+
     def verify(self) -> Ended:
-        return process(lambda: main(["store", "--artefacts", str(self.store.root), "verify"]))
+        return process(self.care["verify"])
+
+    def content(self) -> dict[Path, bytes]:
+        """Objects, manifests, index and plans; not what is noted beside them."""
+        root = self.store.root
+        paths = (root / name for name in ("objects", "index", "plans", "gait", "table1"))
+        found = (path for folder in paths for path in folder.rglob("*") if path.is_file())
+        return {path: path.read_bytes() for path in found if not path.name.endswith(".run.json")}
 
     def copy(self, folder: Path) -> "Chain":
         if self.folder.exists():

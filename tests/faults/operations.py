@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 _CHANGES = ("os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.chmod", "os.utime", "os.truncate")
+_LISTS = ("os.listdir", "os.scandir")
 _WRITE = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 
 
-def at_each(root: Path, act: Callable[[int], object]) -> None:
-    """Call ``act`` with the number of each operation below ``root`` before it happens.
+def at_each(root: Path, act: Callable[[int], object], reading: bool = False) -> None:
+    """Call ``act`` with the number of each change below ``root``, or reading, before it happens.
 
     For the rest of the process: a hook cannot be removed.
     """
@@ -25,7 +26,8 @@ def at_each(root: Path, act: Callable[[int], object]) -> None:
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         nonlocal count
-        if _changes(event, arguments) and _below(arguments[0], root):
+        happens = _reads if reading else _changes
+        if happens(event, arguments) and _below(arguments[0], root):
             count += 1
             act(count)
 
@@ -36,6 +38,10 @@ def _changes(event: str, arguments: tuple[Any, ...]) -> bool:
     if event == "open":
         return isinstance(arguments[2], int) and bool(arguments[2] & _WRITE)
     return event in _CHANGES
+
+
+def _reads(event: str, arguments: tuple[Any, ...]) -> bool:
+    return event in _LISTS or (event == "open" and not _changes(event, arguments))
 
 
 def _below(path: Any, root: Path) -> bool:
@@ -66,9 +72,19 @@ def no_space_from(root: Path, number: int) -> Callable[[], None]:
     return lambda: at_each(root, act)
 
 
-def count(root: Path, path: Path) -> Callable[[], None]:
+def no_reading_at(root: Path, number: int, code: int) -> Callable[[], None]:
+    """Fail one reading with an error of the system, which has passed at the next."""
+
+    def act(count: int) -> None:
+        if count == number:
+            raise OSError(code, os.strerror(code), str(root))
+
+    return lambda: at_each(root, act, reading=True)
+
+
+def count(root: Path, path: Path, reading: bool = False) -> Callable[[], None]:
     """Write the number of operations so far to a file elsewhere."""
-    return lambda: at_each(root, lambda number: path.write_text(str(number)))
+    return lambda: at_each(root, lambda number: path.write_text(str(number)), reading)
 
 
 def no_file_beyond(root: Path, size: int) -> Callable[[], None]:

@@ -1,5 +1,6 @@
 """What the Snakefile takes of the pipeline."""
 
+import re
 import shlex
 import signal
 from pathlib import Path
@@ -54,20 +55,40 @@ def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeyp
     assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
 
 
-def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
-    tmp_path, monkeypatch, capsys
-):
-    store = tmp_path / "artefacts"
+PLACES = ("artefacts", "reports", "artefacts/objects", "artefacts/logs", "artefacts/plans")
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("put", "found"),
+    [
+        (Path.touch, "a file"),
+        (lambda path: path.symlink_to("/disk"), "a link to /disk, which is not there"),
+    ],
+)
+def test_what_is_no_folder_is_one_line(tmp_path, monkeypatch, capsys, place, put, found):
     monkeypatch.chdir(tmp_path)
-    store.symlink_to(tmp_path / "disk")
-    for place in ("artefacts", "artefacts/plans"):
+    Path(place).parent.mkdir(exist_ok=True)
+    put(Path(place))
+    with pytest.raises(SystemExit, match="1"):
+        open_pipeline({"hydra": "experiment=test"}, CONF)
+    assert capsys.readouterr().err == f"slider: expected a folder at {place}, found {found}\n"
+
+
+def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    opened = open_pipeline({"hydra": "experiment=test"}, CONF)
+    manifest, marker = opened.manifest("table1")(None), Path("artefacts/current/table1")
+    for place in (opened.plan_path, Path("reports/table1.csv"), marker, Path(manifest)):
+        kept = place.exists() and place.rename(tmp_path / "kept")
+        place.mkdir(parents=True)
         with pytest.raises(SystemExit, match="1"):
             open_pipeline({"hydra": "experiment=test"}, CONF)
-        error = capsys.readouterr().err
-        assert error.startswith(f"slider: expected to write {place}")
-        assert error.count("\n") == 1
-        (tmp_path / "disk").mkdir(exist_ok=True)
-        (tmp_path / "disk" / "plans").touch()
+        (line,) = capsys.readouterr().err.splitlines()
+        assert re.fullmatch(rf"slider: expected .* {place}, found.* (folder|Is a directory)", line)
+        place.rmdir()
+        if kept:
+            kept.rename(place)
 
 
 @pytest.mark.parametrize("given", [["hydra=experiment=test"], None])

@@ -94,7 +94,7 @@ def left_behind(workspace: Workspace, cluster: Cluster) -> None:
     """Expect no job in the queue, no lock and no half result."""
     assert cluster.becomes_empty()
     assert not list(workspace.folder.glob(".snakemake/locks/*"))
-    assert not list((workspace.artefacts / "tmp").iterdir())
+    assert not list((workspace.artefacts / "objects" / "tmp").iterdir())
 
 
 def test_a_submission_takes_several_gaits_and_says_which_failed(cluster, tmp_path):

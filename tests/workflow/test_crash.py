@@ -58,7 +58,7 @@ def test_a_killed_job_and_head_leave_nothing_and_are_resumed(workspace):
     assert resumed(workspace) == [False, True]
     assert workspace.slider("store", "gc", "--keep", "1").returncode == 0
     assert resumed(workspace) == [True]
-    assert not (workspace.artefacts / "tmp").exists()
+    assert not (workspace.artefacts / "objects" / "tmp").exists()
     assert workspace.computed(LONGER) == []
 
 

@@ -52,7 +52,7 @@ def test_ends_with_a_table_and_a_page_of_our_controller(real):
     assert page.index("<img") < page.index("<table")
     assert real.folder.name == HOSTILE
     assert not list(real.folder.parent.rglob("pwned"))
-    assert not list((real.artefacts / "tmp").iterdir())
+    assert not list((real.artefacts / "objects" / "tmp").iterdir())
     assert real.slider("store", "verify").returncode == 0
     database = real.artefacts / "mlflow.db"
     with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:

@@ -3,10 +3,11 @@
 import argparse
 import difflib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from slider.artefacts.manifest import Manifest
-from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan, readable_plan
+from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
@@ -33,7 +34,9 @@ def current_plan(store: Store) -> Plan | None:
 
 def recent_plans(store: Store) -> Iterator[Plan]:
     """Readable plans of a store, the latest first."""
-    return filter(None, map(readable_plan, plan_paths(store.root / "plans")))
+    for path in plan_paths(store.root / "plans"):
+        with suppress(UserError):
+            yield read_plan(path)
 
 
 def find_target(text: str, plan: Plan) -> str:

@@ -1,30 +1,35 @@
 """Care of the store: list, verify, date, remove what no recent plan reaches."""
 
 import os
+import re
 import shutil
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
-from slider.artefacts.manifest import Result, readable
-from slider.artefacts.plan import plan_paths, read_plan, readable_plan
+from slider.artefacts.manifest import Manifest, OtherVersionError, Result, parse_manifest
+from slider.artefacts.plan import plan_paths, plan_text, read_plan
 from slider.artefacts.store import Store, nobody_else
 from slider.core import files
-from slider.core.errors import UserError, require
+from slider.core.errors import NotReadError, UserError, not_read, require
 
 
 @dataclass(frozen=True)
 class Removed:
     """Names of what was removed, or would be.
 
-    ``derived`` are manifests of what came from the objects, ``unreadable`` are other files.
+    ``derived`` are manifests of what came from the objects, ``unreadable`` are damaged files.
+    ``left`` are lines about what cannot be read, ``others`` counts files of other versions.
     """
 
     objects: list[str]
     manifests: list[str]
     derived: list[str] = field(default_factory=list)
     unreadable: list[str] = field(default_factory=list)
+    left: list[str] = field(default_factory=list)
+    others: int = 0
 
     @property
     def damage(self) -> list[str]:
@@ -50,52 +55,85 @@ def summarise(store: Store) -> dict[str, tuple[int, int, int]]:
 
 
 def verify(store: Store) -> Removed:
-    """Read every object; drop the corrupt ones, what leads to them and all that came from them.
+    """Read everything; drop the corrupt objects, what leads to them and all that came from them.
 
-    Plans, manifests and index entries that cannot be read go, too; the next run writes them again.
+    Damaged plans, manifests and index entries go, too; the next run writes them again. What cannot
+    be read, and what another version of this project wrote, stays.
 
     Raises:
-        UserError: a job is running.
+        UserError: a job is running, or a folder cannot be listed.
     """
     with nobody_else(store.locks):
-        unreadable = [path for path in plan_paths(store.root / "plans") if not readable_plan(path)]
-        for path in store.manifests():
-            manifest = readable(path)
-            if not manifest or path != store.manifest_path(manifest.stage, manifest.recipe):
+        plans, index = plan_paths(store.root / "plans"), store.index()
+        objects = dict.fromkeys(store.objects(), False)
+        manifests: dict[Path, Manifest] = {}
+        unreadable, left, others = [], [], 0
+        readers = dict.fromkeys(plans, read_plan) | dict.fromkeys(index, parse_manifest)
+        readers |= dict.fromkeys(store.manifests(), partial(_parse_in_place, store))
+        for path, read in readers.items():
+            try:
+                record = read(path)
+            except OtherVersionError:
+                others += 1
+            except NotReadError as error:
+                left.append(str(error))
+            except UserError:
                 unreadable.append(path)
-        unreadable += [path for path in store.index() if readable(path) is None]
-        corrupt = {digest for digest in _objects(store) if not store.is_whole(digest)}
-        derived = _derived(store, corrupt)
-        _unlink([*unreadable, *derived])
-        dropped = _drop(store, corrupt, store.manifests())
-        shown = (path for path in derived if path.parent.parent == store.root)
-        return replace(dropped, derived=_names(store, shown), unreadable=_names(store, unreadable))
+            else:
+                if isinstance(record, Manifest):
+                    manifests[path] = record
+        for digest in objects:
+            try:
+                objects[digest] = store.is_whole(digest)
+            except NotReadError as error:
+                left.append(str(error))
+                objects[digest] = True
+        corrupt = {digest for digest, whole in objects.items() if not whole}
+        lost = [path for path, m in manifests.items() if not objects.get(m.result.object)]
+        derived = _derived(manifests, corrupt)
+        _unlink([*unreadable, *lost, *derived])  # before their objects: none must dangle
+        for digest in corrupt:
+            store.drop_object(digest)
+        lost, derived = (_names(store, {*paths}.difference(index)) for paths in (lost, derived))
+        return Removed(sorted(corrupt), lost, derived, _names(store, unreadable), left, others)
 
 
-def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
-    """Drop those of some manifests that have no whole object.
+def _parse_in_place(store: Store, path: Path) -> Manifest:
+    manifest = parse_manifest(path)
+    require(path == store.manifest_path(manifest.stage, manifest.recipe), str(path), "", "")
+    return manifest
+
+
+def drop_damaged(store: Store, manifests: Iterable[Path], dry_run: bool = False) -> list[str]:
+    """Remove those of some manifests that lead to no whole object; describe what is the matter.
 
     Results that came from a damaged object stay: its content was checked when they were computed,
-    so that was before the damage.
+    so that was before the damage. The object goes when it is computed again. What cannot be read
+    stays.
     """
-    manifests = list(manifests)
-    digests = {manifest.result.object for manifest in map(store.present, manifests) if manifest}
-    return _drop(store, {d for d in digests if not store.is_whole(d)}, manifests)
+    lines: list[str] = []
+    for path in filter(os.path.lexists, manifests):
+        try:
+            digest = parse_manifest(path).result.object
+            if store.is_whole(digest):
+                continue
+            there = store.object_folder(digest).exists()
+            reason = "with a damaged object" if there else "without its object"
+        except NotReadError as error:
+            lines.append(f"{error}; it stays")
+            continue
+        except UserError:
+            reason = "unreadable"
+        if not dry_run:
+            path.unlink()
+        lines.append(f"{'found' if dry_run else 'dropped'} {_names(store, [path])[0]}, {reason}")
+    return lines
 
 
-def _drop(store: Store, corrupt: set[str], manifests: list[Path]) -> Removed:
-    for digest in corrupt:
-        store.drop_object(digest)
-    if corrupt:
-        store.drop_dangling(store.index())
-    return Removed(sorted(corrupt), _names(store, store.drop_dangling(manifests)))
-
-
-def _derived(store: Store, corrupt: set[str]) -> list[Path]:
+def _derived(manifests: Mapping[Path, Manifest], corrupt: set[str]) -> list[Path]:
     """Manifests and index entries of what was computed from objects, directly or not."""
-    manifests = {path: readable(path) for path in (*store.manifests(), *store.index())}
-    others = {path: m for path, m in manifests.items() if m and m.result.object not in corrupt}
-    recipes = {m.recipe for m in manifests.values() if m and m.result.object in corrupt}
+    others = {path: m for path, m in manifests.items() if m.result.object not in corrupt}
+    recipes = {m.recipe for m in manifests.values() if m.result.object in corrupt}
     derived: list[Path] = []
     while True:
         following = [
@@ -130,38 +168,58 @@ def date_now(store: Store, paths: Iterable[Path]) -> int:
 def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     """Remove objects and manifests that none of the ``keep`` latest plans reaches, and litter.
 
+    Plans and manifests count by the digests in their text, whatever version wrote them.
+
     Raises:
-        UserError: a job is running, no plan would be kept, or one cannot be read.
+        UserError: a job is running, no plan would be kept, or something cannot be read.
     """
     require(keep >= 1, "--keep", "at least 1 plan", keep)
     with nobody_else(store.locks):
         plans = plan_paths(store.root / "plans")
         try:
-            recipes = {recipe for path in plans[:keep] for recipe in read_plan(path).jobs}
-        except UserError as error:  # damaged, or of another version
+            recipes = {digest for path in plans[:keep] for digest in _digests(plan_text(path))}
+        except NotReadError:
+            raise
+        except UserError as error:
             raise UserError(f"{error}; `slider store verify` drops it") from None
-        manifests = [path for path in store.manifests() if path.stem not in recipes]
-        reached = (readable(path) for path in store.manifests() if path.stem in recipes)
-        reachable = {manifest.result.object for manifest in reached if manifest}
-        objects = [digest for digest in _objects(store) if digest not in reachable]
+        manifests, reachable = [], set[str]()
+        for path in store.manifests():
+            if path.stem in recipes:
+                reachable |= _digests(_text(path))
+            else:
+                manifests.append(path)
+        objects = [digest for digest in store.objects() if digest not in reachable]
         if not dry_run:
-            _unlink([*manifests, *plans[keep:]])  # before their objects: none must dangle
+            lost = {*objects}
+            index = [path for path in store.index() if not lost.isdisjoint(_digests(_text(path)))]
+            _unlink([*manifests, *index, *plans[keep:]])  # before their objects: none must dangle
             for digest in objects:
                 store.drop_object(digest)
-            store.drop_dangling([*store.index(), *store.manifests()])
             _drop_litter(store, recipes)
         return Removed(objects, _names(store, manifests))
 
 
+def _digests(text: str) -> set[str]:
+    return {*re.findall("[0-9a-f]{64}", text)}
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text("utf-8", "replace")
+    except OSError as error:
+        raise not_read(error, path) from None
+
+
 def _drop_litter(store: Store, recipes: set[str]) -> None:
     """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
-    for name in ("tmp", "cache"):
-        shutil.rmtree(store.root / name, ignore_errors=True)
-    _unlink(store.root.rglob(files.TEMPORARY_PATTERN))
+    for folder in (store.tmp, store.root / "cache"):
+        shutil.rmtree(folder, ignore_errors=True)
+    folders = (path for path in files.entries(store.root) if path.name != "objects")
+    _unlink(path for folder in folders for path in folder.rglob(files.TEMPORARY_PATTERN))
     for path in store.root.glob("work/*/*"):
         if path.name not in recipes:
             shutil.rmtree(path)
-    noted = (*store.root.glob("logs/*/*"), *store.root.glob("*/*.run.json"))
+    noted = (*store.root.glob("logs/*/*"), *store.sidecars())
     _unlink(path for path in noted if path.name.partition(".")[0] not in recipes)
 
 
@@ -171,9 +229,4 @@ def _unlink(paths: Iterable[Path]) -> None:
 
 
 def _names(store: Store, paths: Iterable[Path]) -> list[str]:
-    return [path.relative_to(store.root).as_posix() for path in paths]
-
-
-def _objects(store: Store) -> list[str]:
-    """Names of objects, whatever is in them."""
-    return sorted(path.name for path in (store.root / "objects").glob("*/" + "[0-9a-f]" * 64))
+    return [path.relative_to(store.root).as_posix() for path in sorted(paths)]

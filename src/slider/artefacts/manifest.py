@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import NotReadError, UserError, not_read
 from slider.core.files import FileTable
 
 SCHEMA = 4
@@ -48,6 +48,10 @@ class Manifest:
 _MANIFESTS = TypeAdapter(Manifest)
 
 
+class OtherVersionError(UserError):
+    """A whole file of the store that another version of this project wrote."""
+
+
 def damaged(stage: str, digest: str) -> UserError:
     """The error of a result whose content is not what its name says."""
     return UserError(
@@ -60,23 +64,44 @@ def parse_manifest(path: Path) -> Manifest:
     """Read a manifest file.
 
     Raises:
-        UserError: there is none, or it is not one of ours.
+        UserError: there is none, or it is damaged.
+        NotReadError: it cannot be read.
+        OtherVersionError: another version of this project wrote it.
     """
     try:
-        manifest = manifest_from(files.read_json(path))
+        values = files.read_json(path)
+        if _is_of_another_version(values):
+            raise OtherVersionError(f"expected a manifest, found one of another version in {path}")
+        manifest = manifest_from(values)
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
-    except (OSError, ValueError):
+    except OSError as error:
+        raise not_read(error, path) from None
+    except ValueError:
         raise UserError(f"expected a manifest, found something else in {path}") from None
     if path.stem not in (manifest.recipe, manifest.key):
         raise UserError(f"expected a manifest, found that of another job in {path}")
     return manifest
 
 
+def _is_of_another_version(values: Any) -> bool:
+    """Whether the schema is another one, and no damage: the digest, if there is one, fits."""
+    if not isinstance(values, dict) or values.get("schema") in (None, SCHEMA):
+        return False
+    others = {name: value for name, value in values.items() if name != "digest"}
+    return values.get("digest") in (None, files.digest_value(others))
+
+
 def readable(path: Path) -> Manifest | None:
-    """A manifest file, if it is one of ours."""
+    """A manifest file, if it is whole and of this version.
+
+    Raises:
+        NotReadError: it cannot be read.
+    """
     try:
         return parse_manifest(path)
+    except NotReadError:
+        raise
     except UserError:
         return None
 

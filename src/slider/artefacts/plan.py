@@ -12,9 +12,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.manifest import SCHEMA, OtherVersionError
 from slider.artefacts.recipe import Code, Groups
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_read
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,13 @@ class JobSpec:
         return [job for jobs in self.inputs.values() for job in jobs]
 
     def key(self, inputs: Groups) -> str:
-        """From the recipes of the inputs the recipe; from their objects the key of the index."""
+        """From the recipes of the inputs the recipe; from their objects the key of the index.
+
+        Versions of this project with other manifests have other recipes, and keep theirs.
+        """
         code = [self.code.entry, self.code.source, self.code.versions]
         groups = {name: list(digests) for name, digests in inputs.items()}
-        return files.digest_value([self.stage, self.section, *code, groups])
+        return files.digest_value([SCHEMA, self.stage, self.section, *code, groups])
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,8 @@ def plan_path(plan: Plan, folder: Path) -> Path:
 
 def plan_paths(folder: Path) -> list[Path]:
     """Files of plans, the latest first."""
-    return sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True)
+    paths = (path for path in files.entries(folder) if path.suffix == ".json")
+    return sorted(paths, key=lambda path: path.stat().st_mtime, reverse=True)
 
 
 def write_plan(plan: Plan, folder: Path) -> Path:
@@ -105,23 +110,34 @@ def read_plan(path: Path) -> Plan:
     """Read a plan; its recipes are those with which it was laid out.
 
     Raises:
+        OtherVersionError: another version of this project wrote it.
+        UserError: as of ``plan_text``.
+    """
+    text = plan_text(path)
+    try:
+        return _from_values(json.loads(text))
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise OtherVersionError(
+            f"expected a plan, found one of another version at {path}"
+        ) from None
+
+
+def plan_text(path: Path) -> str:
+    """Text of a plan, of whatever version.
+
+    Raises:
         UserError: the file is missing or is not the plan that its name says.
+        NotReadError: it cannot be read.
     """
     try:
         text = path.read_text(encoding="utf-8").removesuffix("\n")
         if files.digest_text(text) == path.stem:
-            return _from_values(json.loads(text))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return text
+    except (FileNotFoundError, ValueError):
         pass
+    except OSError as error:
+        raise not_read(error, path) from None
     raise UserError(f"expected a plan, found none at {path}")
-
-
-def readable_plan(path: Path) -> Plan | None:
-    """A plan, if the file is one."""
-    try:
-        return read_plan(path)
-    except UserError:
-        return None
 
 
 def _to_values(plan: Plan) -> dict[str, Any]:

@@ -80,7 +80,7 @@ class Runner:
         for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):
             os.environ.setdefault(compiler, str(self.store.cache_folder("compiled").absolute()))
         job, name = self._job(spec), f"{spec.stage}-{spec.recipe[:12]}"
-        for left in self.store.root.glob(f"tmp/{name}-*"):  # by a job that was killed
+        for left in self.store.tmp.glob(f"{name}-*"):  # by a job that was killed
             shutil.rmtree(left, ignore_errors=True)
         with self.store.temporary(name) as out:
             inputs = {

@@ -1,16 +1,19 @@
 """The artefact store: objects named by their content, manifests named by their recipe.
 
 ``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` names the
-object that a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its
-manifest is written: whatever is visible is whole, whenever a process dies.
+object that a recipe led to. A result is computed in ``objects/tmp/`` and renamed into place, then
+its manifest is written: a manifest leads to a whole object, whenever a process dies or the power
+goes. Whoever uses an object compares its content with its name: only if these differ is it damaged,
+and what cannot be read says nothing about itself.
 
 ``locks/`` keeps processes apart: one job per recipe, and no clean-up while jobs run. The operating
 system releases them when a process ends, however it does.
 """
 
+import re
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,8 +29,9 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
+from slider.artefacts.plan import JobSpec
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_read
 
 ARTEFACTS = "artefacts"
 _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
@@ -43,6 +47,11 @@ class Store:
     def locks(self) -> Path:
         """Folder of the locks between processes."""
         return self.root / "locks"
+
+    @property
+    def tmp(self) -> Path:
+        """Folder of unfinished results."""
+        return self.root / "objects" / "tmp"
 
     def object_folder(self, digest: str) -> Path:
         """Folder of an object."""
@@ -84,24 +93,35 @@ class Store:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
+    def places(self, jobs: Iterable[JobSpec]) -> list[Path]:
+        """Files that the pipeline writes in the store."""
+        folders = ("objects", "index", "locks", "plans", "current", "cache")
+        of_a_job = (self.manifest_path, self.log_path, self.progress_path)
+        found = [place(job.stage, job.recipe) for job in jobs for place in of_a_job]
+        return [*(self.root / name / "any" for name in folders), *found]
+
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
-        """Empty folder on the store's file system, removed at the end."""
-        parent = self.root / "tmp"
-        parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=f"{name}-", dir=parent))
+        """Empty folder on the file system of the objects, removed at the end."""
+        self.tmp.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f"{name}-", dir=self.tmp))
         try:
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
     def publish(self, folder: Path, summary: dict[str, Any]) -> Result:
-        """Rename a finished folder of this file system atomically to the place of its content."""
+        """Bring a finished temporary folder to the disk, and in one step to its place.
+
+        Raises:
+            NotReadError: another object is there, which cannot be read.
+        """
         table = files.file_table(folder)
         result = Result(files.digest_table(table), table, files.plain(summary))
         for name in table:
             (folder / name).chmod(0o444)
         folder.chmod(0o755)  # mkdtemp makes it private
+        files.sync(*(path for path in folder.rglob("*")), folder)
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not self.is_whole(result.object):
@@ -111,22 +131,30 @@ class Store:
         except OSError:
             if not target.is_dir():  # else the same content is there already: ours is not needed
                 raise
+        files.sync(target.parent, target.parent.parent)
         return result
 
     def is_whole(self, digest: str) -> bool:
-        """Read an object; tell whether its content has its name."""
+        """Read an object; tell whether its content has its name.
+
+        Raises:
+            NotReadError: it is there, and cannot be read.
+        """
         folder = self.object_folder(digest)
         try:
-            return folder.is_dir() and files.digest_table(files.file_table(folder)) == digest
-        except (OSError, ValueError):
+            return files.digest_table(files.file_table(folder)) == digest
+        except (FileNotFoundError, NotADirectoryError, ValueError):
             return False
+        except OSError as error:
+            raise not_read(error, folder) from None
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object in one visible step."""
+        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
         folder = self.object_folder(digest)
-        if folder.exists():
-            with self.temporary("discarded") as grave:
-                folder.rename(grave / "object")
+        if folder.is_dir() and not folder.is_symlink():
+            shutil.rmtree(folder)
+        else:
+            folder.unlink(missing_ok=True)
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
@@ -139,8 +167,20 @@ class Store:
 
     def manifests(self) -> list[Path]:
         """Every manifest of the store."""
-        paths = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
-        return sorted(path for path in paths if path.parent.name != "plans")
+        return self._records(".json")
+
+    def sidecars(self) -> list[Path]:
+        """What is noted beside the manifests."""
+        return self._records(".run.json")
+
+    def _records(self, ending: str) -> list[Path]:
+        stages = (p for p in files.entries(self.root) if not p.is_file() and p.name != "plans")
+        return _named(stages, rf"[0-9a-f]{{64}}\{ending}")
+
+    def objects(self) -> list[str]:
+        """Name of every object, whatever is in it."""
+        groups = _named([self.root / "objects"], "[0-9a-f]{2}")
+        return [path.name for path in _named(groups, "[0-9a-f]{64}")]
 
     def mentioning(self, text: str) -> list[Manifest]:
         """Manifests that contain a text, such as the digest of a file."""
@@ -153,7 +193,8 @@ class Store:
 
     def index(self) -> list[Path]:
         """Every entry of the index."""
-        return sorted((self.root / "index").glob("*/*.json"))
+        groups = _named([self.root / "index"], "[0-9a-f]{2}")
+        return _named(groups, r"[0-9a-f]{64}\.json")
 
     def remember(self, key: str, manifest: Manifest) -> None:
         """Add a computed result to the index.
@@ -190,12 +231,11 @@ class Store:
             raise damaged(stage, manifest.result.object)
         return manifest
 
-    def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
-        """Remove the manifests whose object is gone; list them."""
-        dropped = [path for path in paths if path.is_file() and self.present(path) is None]
-        for path in dropped:
-            path.unlink(missing_ok=True)
-        return dropped
+
+def _named(folders: Iterable[Path], pattern: str) -> list[Path]:
+    """What is in some folders under names of a pattern, sorted in each."""
+    paths = (path for folder in folders for path in files.entries(folder))
+    return [path for path in paths if re.fullmatch(pattern, path.name)]
 
 
 @contextmanager

@@ -16,6 +16,17 @@ class UserError(Exception):
     """
 
 
+class NotReadError(UserError):
+    """The system did not let a file be read, which says nothing about its content."""
+
+
+def not_read(error: OSError, place: Path) -> NotReadError:
+    """Line about a place that cannot be read; ``place`` is named where the error names none."""
+    return NotReadError(
+        f"expected to read {error.filename or place}, found: {error.strerror or error}"
+    )
+
+
 def require(condition: bool, key: str, expected: str, found: Any) -> None:
     """Raise a ``UserError`` about the value of a key unless a condition holds."""
     if not condition:
@@ -35,7 +46,6 @@ def require_docstrings() -> None:
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
-_OF_PLACES = (*_OF_RIGHTS, errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
 _FOLDERS = ("reports", ".snakemake")
 # Messages of numpy and torch about a full disk, which lack its number.
 _SHORT = re.compile(
@@ -51,13 +61,13 @@ def is_read_only(error: BaseException) -> bool:
 def not_written(error: BaseException, place: Path) -> UserError | None:
     """Line about an error that comes from a place that cannot be written; None for other errors.
 
-    ``place`` is named where the error names none. A missing right, or a file in the place of a
-    folder, counts below ``place`` and the other folders that the pipeline writes.
+    ``place`` is named where the error names none. What is no matter of disks, such as a missing
+    right, counts below ``place`` and the other folders that the pipeline writes.
     """
     for cause in _chain(error):
         if isinstance(cause, OSError):
             where = cause.filename2 or cause.filename
-            refused = cause.errno in _OF_PLACES and _is_ours(where, place)
+            refused = cause.errno != errno.ENOENT and _is_ours(where, place)
             if refused or cause.errno in _OF_DISKS:
                 return UserError(f"expected to write {where or place}, found: {cause.strerror}")
         if _SHORT.search(str(cause)):

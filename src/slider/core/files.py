@@ -5,11 +5,13 @@ import json
 import math
 import os
 import stat
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from slider.core.errors import UserError, not_read
 
 TEMPORARY_PATTERN = ".*.part"
 
@@ -36,11 +38,56 @@ def write_atomic(path: Path, text: str) -> None:
             file.flush()
             os.fsync(file.fileno())
         part.replace(path)
+        sync(path.parent, path.parent.parent)
     except OSError as error:  # of a full disk it names no file
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         with suppress(OSError):  # on a read-only disk
             part.unlink(missing_ok=True)
+
+
+def sync(*paths: Path) -> None:
+    """Wait until files, or the names in folders, would outlive a power cut."""
+    for path in paths:
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        except OSError:
+            if path.is_file():  # some file systems cannot do it for folders
+                raise
+        finally:
+            os.close(descriptor)
+
+
+def check_places(paths: Iterable[Path]) -> None:
+    """Check that files can be where some paths say, and folders where their parents are.
+
+    Raises:
+        UserError: a folder is in the place of a file, or something else in that of a folder.
+    """
+    paths = list(paths)
+    for folder in sorted({parent for path in paths for parent in path.parents}):
+        if os.path.lexists(folder) and not folder.is_dir():
+            link = f"a link to {folder.readlink()}" if folder.is_symlink() else "a file"
+            found = link if folder.exists() else f"{link}, which is not there"
+            raise UserError(f"expected a folder at {folder}, found {found}")
+    for path in paths:
+        if path.is_dir():
+            raise UserError(f"expected a file at {path}, found a folder")
+
+
+def entries(folder: Path) -> list[Path]:
+    """What is in a folder, sorted; nothing where there is no folder.
+
+    Raises:
+        NotReadError: it cannot be listed, or something else, or a link to nothing, is in its place.
+    """
+    try:
+        return sorted(folder.iterdir())
+    except OSError as error:
+        if isinstance(error, FileNotFoundError) and not folder.is_symlink():
+            return []
+        raise not_read(error, folder) from None
 
 
 def write_json(path: Path, value: Any) -> None:
@@ -86,15 +133,19 @@ def list_files(folder: Path) -> list[str]:
     """Relative POSIX paths of all files of a folder, sorted.
 
     Raises:
+        OSError: a folder cannot be listed.
         ValueError: something that is neither a file nor a folder, such as a link.
     """
-    names = []
-    for path in folder.rglob("*"):
-        mode = path.lstat().st_mode
-        if stat.S_ISREG(mode):
-            names.append(path.relative_to(folder).as_posix())
-        elif not stat.S_ISDIR(mode):
-            raise ValueError(f"expected files and folders, found another kind: {path}")
+    names, waiting = [], [folder]
+    while waiting:
+        for path in waiting.pop().iterdir():
+            mode = path.lstat().st_mode
+            if stat.S_ISDIR(mode):
+                waiting.append(path)
+            elif stat.S_ISREG(mode):
+                names.append(path.relative_to(folder).as_posix())
+            else:
+                raise ValueError(f"expected files and folders, found another kind: {path}")
     return sorted(names)
 
 

@@ -143,12 +143,18 @@ def _is_text(node: ast.stmt) -> bool:
 
 @cache
 def _data(folder: Path, root: Path) -> dict[str, str]:
-    """Digests of data files here and in sub-folders that are no packages; no hidden files."""
+    """Digests of data files here and in sub-folders that are no packages.
+
+    They have names as modules have. Those that editors, systems and sync clients add do not, such
+    as ``a.sync-conflict-1.csv`` and ``a (copy).csv``.
+    """
     digests = {}
     for path in folder.iterdir():
+        if not path.stem.isidentifier():
+            continue
         if path.is_dir() and path.name != "__pycache__" and not any(path.glob("*.py")):
             digests |= _data(path, root)
-        elif path.name.endswith(DATA) and path.name[0] not in ".#" and path.is_file():
+        elif path.suffix in DATA and path.is_file():
             digests[path.relative_to(root).as_posix()] = digest_file(path)
     return digests
 

@@ -58,6 +58,22 @@ def test_verify_repairs(one, place, content, capsys):
     assert compute(one, GAIT) == one.indexed(GAIT.key({}))
 
 
+WRONG = [
+    *[[], {"wall_s": "long"}, {"wall_s": -1.0}, {"cpu_s": None}, {"computed": "yes"}],
+    *[{"ended": "tomorrow"}, {"ended": 3}, {"machine": ["one"]}, {"commit": 7}, {"dirty": "maybe"}],
+    *[{"overrides": {}}, {"threads": 1.5}, {"of_a_stage": [1]}],
+]
+
+
+@pytest.mark.parametrize("values", WRONG)
+def test_verify_drops_run_metadata_that_would_mislead_its_readers(one, values):
+    path = one.sidecar_path("gait", GAIT.recipe)
+    path.write_text(files.canonical(values))
+    assert one.facts("gait", GAIT.recipe) == {}
+    assert verify(one) == Removed([], [], unreadable=[f"gait/{path.name}"])
+    assert verify(one) == Removed([], [])
+
+
 def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(one):
     (path,) = (one.root / "plans").glob("*.json")
     text = path.read_text()

@@ -166,8 +166,19 @@ def named(*names: str, size: int = 0) -> Callable[[Path], object]:
     return partial(forge, result=result)
 
 
+def noted(**metadata: object) -> Callable[[Path], object]:
+    """Change run metadata beside a manifest."""
+
+    def note(path: Path) -> None:
+        values = files.read_json(path)
+        path.write_text(files.canonical(values | {"facts": values["facts"] | metadata}))
+
+    return note
+
+
 FORGED: dict[str, Callable[[Path], object]] = {
     **DAMAGE,
+    "run metadata": noted(wall_s="long"),
     "a digit": lambda path: path.write_text(path.read_text().replace("1.5", "1.6")),
     "brackets": lambda path: path.write_text("[" * 100_000),
     "of another": partial(forge, recipe="0" * 64),

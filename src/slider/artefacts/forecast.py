@@ -12,8 +12,9 @@ from importlib.resources import files as package_files
 from typing import Any
 
 from slider.artefacts.plan import JobSpec
+from slider.artefacts.run_metadata import parse_metadata
 from slider.artefacts.store import Store
-from slider.core import files
+from slider.core.errors import UserError
 
 START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""
@@ -62,10 +63,10 @@ def computed(
     for stage in stages:
         paths = store.root.glob(f"{stage}/*.run.json")
         for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:latest]:
-            with suppress(OSError, ValueError, KeyError, TypeError):
-                facts = files.read_json(path)
+            with suppress(UserError, KeyError):
+                facts = parse_metadata(path)
                 if facts["computed"] and facts["size"]:
-                    spent = float(facts["cpu_s"])
+                    spent = facts["cpu_s"]
                     rate = min(facts["wall_s"], spent) / facts["size"]
                     jobs.setdefault(facts["kind"], []).append((spent, rate))
     return jobs

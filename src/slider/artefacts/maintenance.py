@@ -11,6 +11,7 @@ from pathlib import Path
 
 from slider.artefacts.manifest import Manifest, OtherVersionError, Result, parse_manifest
 from slider.artefacts.plan import plan_paths, plan_text, read_plan
+from slider.artefacts.run_metadata import parse_metadata
 from slider.artefacts.store import Store, nobody_else
 from slider.core import files
 from slider.core.errors import NotReadError, UserError, not_read, require
@@ -57,7 +58,7 @@ def summarise(store: Store) -> dict[str, tuple[int, int, int]]:
 def verify(store: Store) -> Removed:
     """Read everything; drop the corrupt objects, what leads to them and all that came from them.
 
-    Damaged plans, manifests and index entries go, too; the next run writes them again. What cannot
+    Damaged plans, manifests, index entries and run metadata go, too. What cannot
     be read, and what another version of this project wrote, stays.
 
     Raises:
@@ -69,6 +70,7 @@ def verify(store: Store) -> Removed:
         manifests: dict[Path, Manifest] = {}
         unreadable, left, others = [], [], 0
         readers = dict.fromkeys(plans, read_plan) | dict.fromkeys(index, parse_manifest)
+        readers |= dict.fromkeys(store.sidecars(), parse_metadata)
         readers |= dict.fromkeys(store.manifests(), partial(_parse_in_place, store))
         for path, read in readers.items():
             try:

@@ -22,6 +22,7 @@ from typing import Any
 from slider.artefacts.manifest import Manifest, manifest_from, plain_manifest
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.remote import CONNECTIONS, DamageError, Remote
+from slider.artefacts.run_metadata import validate_metadata
 from slider.artefacts.store import Store, Timeout, exclusive
 from slider.core import files
 from slider.core.errors import UserError
@@ -141,7 +142,7 @@ def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
         return None
     try:
         values = json.loads(content)
-        facts = dict(values.pop("facts"))
+        facts = validate_metadata(values.pop("facts"))
         manifest = manifest_from(values)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise DamageError("expected a manifest, found something else") from None

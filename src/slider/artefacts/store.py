@@ -14,7 +14,7 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,7 @@ from slider.artefacts.manifest import (
     readable,
 )
 from slider.artefacts.plan import JobSpec
+from slider.artefacts.run_metadata import parse_metadata
 from slider.core import files
 from slider.core.errors import UserError, not_read
 
@@ -67,11 +68,9 @@ class Store:
 
     def facts(self, stage: str, recipe: str) -> dict[str, Any]:
         """Read the sidecar of a manifest; empty where that is missing or damaged."""
-        try:
-            facts = files.read_json(self.sidecar_path(stage, recipe))
-        except (OSError, ValueError):
-            return {}
-        return facts if isinstance(facts, dict) else {}
+        with suppress(UserError):
+            return parse_metadata(self.sidecar_path(stage, recipe))
+        return {}
 
     def log_path(self, stage: str, recipe: str) -> Path:
         """Log of the latest job of a recipe."""

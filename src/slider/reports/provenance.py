@@ -131,4 +131,4 @@ def _commit(facts: Mapping[str, Any]) -> str:
     """First digits of the commit, with a ``+`` where files differed from it."""
     if "commit" not in facts:
         return _UNKNOWN
-    return facts["commit"][:8] + ("+" if facts["dirty"] == "true" else "")
+    return facts["commit"][:8] + ("+" if facts.get("dirty") == "true" else "")

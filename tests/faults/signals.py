@@ -33,8 +33,7 @@ OTHER = "OTHER"
 BUILT = "built"  # the progress of a gait whose solver begins
 OVERRIDES = (
     "experiment=test",
-    # One checkpoint at the end: a training that goes on from another has other bytes.
-    *("train.walking.iterations=12", "train.walking.selection.interval=12"),
+    *("train.walking.iterations=12", "train.walking.selection.interval=3"),
     *("evaluation.duration=3", "evaluation.robots=20"),
     *("tuning.trials=4", "tuning.finalists=2", "tuning.finalist_robots=4"),
 )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from slider.core.files import markdown_rows
+from slider.core.tables import Table
 from slider.robot.names import VELOCITY
 
 Values = Mapping[str, Any]
@@ -59,12 +59,13 @@ def write_markdown(path: Path, rows: Sequence[Values]) -> None:
     """Range of each quantity over the gaits, and some over the forward velocity at vy = 0."""
     lines = [f"{len(rows)} gaits.", ""]
     head = ["quantity", "unit", "meaning", "least", "median", "greatest"]
-    lines += markdown_rows(head, [_range(name, rows) for name in QUANTITIES if name != "phase"])
+    ranges = [_range(name, rows) for name in QUANTITIES if name != "phase"]
+    lines.append(Table(head, ranges).markdown)
     straight = [row for row in rows if row["vy"] == row["yaw_rate"] == 0.0]
     if straight:
         head = ["vx [m/s]", *(f"{row['vx']:g}" for row in straight)]
         body = [[f"`{n}`", *(_text(row.get(n), 3) for row in straight)] for n in _OVER_SPEED]
-        lines += ["", "At vy = 0:", "", *markdown_rows(head, body)]
+        lines += ["", "At vy = 0:", "", Table(head, body).markdown]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

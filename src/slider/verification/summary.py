@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from slider.core.files import markdown_rows
+from slider.core.tables import Table
 from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES
 
@@ -105,12 +105,12 @@ def write_markdown(
     lines += [f"* {failure.text}" for failure in failed[:_SHOWN_FAILURES]]
     if len(failed) > _SHOWN_FAILURES:
         lines.append(f"* {len(failed) - _SHOWN_FAILURES} more in `verification.csv`")
-    lines += ["", *markdown_rows(head, rows)]
+    lines += ["", Table(head, rows).markdown]
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
         head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]
         rows = [[f"`{name}`", *map(_short, straight[name])] for name in _OVER_SPEED]
-        lines += ["", "Straight ahead:", "", *markdown_rows(head, rows)]
+        lines += ["", "Straight ahead:", "", Table(head, rows).markdown]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -294,7 +294,7 @@ def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
         if name != OPTION:
             raise UserError(
                 f"unknown --config name '{name}', expected {OPTION}='key=value ...', "
-                "such as --config hydra='gait.cost=torque experiment=paper'"
+                "such as --config hydra='gait.cost=transport experiment=paper'"
             )
     text = settings.get(OPTION) or ""  # none given, or nothing between the quotes
     if not isinstance(text, str):

@@ -71,7 +71,7 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
         "library": to_dict(config.library),
         # Written into the library beside the gaits.
         "robot": mechanism(config),
-        **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),
+        **only(to_dict(config.gait), "dynamics", "cost", "kinematic_map"),
     }
     return job("library", "gait library", section, {"gaits": gaits})
 

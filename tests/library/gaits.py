@@ -69,7 +69,6 @@ def section(allow_holes: bool = False) -> dict[str, Any]:
         "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
         "robot": ROBOT,
         "dynamics": "prismatic",
-        "transcription": "bezier",
         "cost": "paper",
         "kinematic_map": "exact",
     }

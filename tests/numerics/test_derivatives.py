@@ -18,9 +18,7 @@ both = pytest.mark.parametrize("turning", [False, True])
 def near_a_gait() -> np.ndarray:
     """A point with no symmetry, so that no derivative vanishes by accident."""
     rng = np.random.default_rng(3)
-    x = cold_start(
-        problem().layout, config().robot, 0.5, config().gait.degree, (0.25, 0.42), STARTS["cold"]
-    )
+    x = cold_start(problem().layout, config().robot, 0.5, (0.25, 0.42), STARTS["cold"])
     return x + 0.05 * rng.normal(size=x.size)
 
 

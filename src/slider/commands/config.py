@@ -8,7 +8,7 @@ _WIDEST = 44  # characters of a column; a longer cell moves the rest of its row
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("overrides", nargs="*", help="such as gait.cost=torque experiment=paper")
+    parser.add_argument("overrides", nargs="*", help="such as gait.cost=transport experiment=paper")
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     parser.add_argument(
         "--keys",

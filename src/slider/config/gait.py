@@ -50,19 +50,6 @@ class GridConfig(GridBlock):
     """further blocks"""
 
 
-class StepTime(t.Group):
-    """Duration of a step."""
-
-    lower: t.Positive[t.Seconds]
-    upper: t.Positive[t.Seconds]
-    law: Literal["free", "fixed", "speed"]
-    """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
-    value: t.Positive[t.Seconds]
-    """duration of the law fixed, within the bounds; of speed at rest, clipped to them"""
-    slope: Annotated[float, t.Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
-    """change with the speed"""
-
-
 class Touchdown(t.Group):
     """Velocity of the swing foot just before impact."""
 
@@ -116,7 +103,7 @@ class ContactLimits(t.Group):
 
 
 class SolverConfig(t.Group):
-    """IPOPT settings, what is tried in turn, and whether the first or the best result counts."""
+    """IPOPT settings and what is tried in turn."""
 
     max_iterations: t.Count
     """greatest number of iterations of a start"""
@@ -125,10 +112,8 @@ class SolverConfig(t.Group):
     constraint_tolerance: t.Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
     guesses: t.Distinct[t.Some[Literal["cold", "fast", "crouched", "ramp"]]]
-    """starts tried in turn: knees bent most, long steps (crouched); short quick steps (fast); less
-    bent, long steps (cold); warm starts from walking in place (ramp)"""
-    keep: Literal["first", "best"]
-    """first: the first start that converges; best: try all, keep the cheapest gait"""
+    """starts tried until one converges: knees bent most, long steps (crouched); short quick steps
+    (fast); less bent, long steps (cold); warm starts from walking in place (ramp)"""
 
 
 class StartSpread(t.Group):
@@ -150,20 +135,12 @@ class FormulationConfig(t.Group):
 
     nodes: Nodes
     """collocation nodes per step"""
-    transcription: Literal["bezier", "collocation"]
-    """bezier: joints are polynomials of the phase (virtual constraints); collocation: all free"""
     degree: Annotated[int, Field(ge=3, le=12)]
-    """of the Bézier polynomials"""
+    """of the joints' Bézier polynomials of the phase, the virtual constraints"""
     dynamics: Literal["prismatic", "knee"]
     """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
-    phase: Literal["time", "hip"]
-    """hip: a gait's hip moves forward at every node, so that its place can tell the phase"""
-    hip_share: t.Positive[t.Share]
-    """least forward velocity of the hip where it is the phase, as a share of the commanded one"""
-    slowest_hip: t.Positive[t.MetresPerSecond]
-    """gaits with less forward velocity have time for a phase"""
-    cost: Literal["paper", "torque", "transport"]
-    """paper: eq. 2 as printed; torque: (1/T) ∫ ‖τ‖² dt; transport: mean |power| / (m g)"""
+    cost: Literal["paper", "transport"]
+    """paper: eq. 2 as printed; transport: mean |power| / (m g)"""
     voltage: t.Positive[t.Share]
     """share of the bus that motors may use at the nodes; the rest is for between them"""
     touchdown: Annotated[Touchdown, t.ordered("down_min", "down_max")]
@@ -189,15 +166,8 @@ class SolveConfig(t.Group):
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
     decoupling_min: Annotated[float, t.Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
     """least singular value of the decoupling matrix, per share of the motors' torque limits"""
-    step_time: Annotated[
-        StepTime,
-        t.ordered("lower", "upper"),
-        t.Rule(
-            "lower ≤ value ≤ upper with law=fixed",
-            lambda time: time.law != "fixed" or time.lower <= time.value <= time.upper,
-            ("law", "lower", "value", "upper"),
-        ),
-    ]
+    step_time: t.Interval[t.Positive[t.Seconds]]
+    """bounds of the duration of a step"""
     solver: SolverConfig
 
 

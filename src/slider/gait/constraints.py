@@ -111,9 +111,6 @@ def of_node(node: Node) -> list[Constraint]:
         UserError: ``gait.bounds`` has a name that no function has.
     """
     constraints = [*_loads(node), *_legs(node), *_torso(node)]
-    if node.form.config.phase == "hip":
-        # A hip that is the phase passes each place once; slow gaits have the row without a bound.
-        constraints.append(at_least("hip_rate", node.base.linear[0], node.form.hip_rate))
     for name, bound in node.form.config.bounds.items():
         if name not in _BOUNDED:
             raise UserError(f"gait.bounds: expected one of {', '.join(_BOUNDED)}, found {name}")

@@ -30,11 +30,6 @@ def _paper(node: Node, _: ca.SX) -> ca.SX:
     return ca.sumsqr(node.dynamics.torques) / node.symbols.step_time
 
 
-def _torque(node: Node, weight: ca.SX) -> ca.SX:
-    """Σ over domains of (1/T) ∫ ‖τ‖² dt."""
-    return weight * ca.sumsqr(node.dynamics.torques)
-
-
 def _transport(node: Node, weight: ca.SX) -> ca.SX:
     """Mean absolute mechanical power of the motors over m g: the cost of transport times speed."""
     power = node.motor_torques * node.motor_speeds
@@ -44,6 +39,5 @@ def _transport(node: Node, weight: ca.SX) -> ca.SX:
 
 COSTS = {
     "paper": Cost(_paper, "N^2 m^2 / s", 1e-4),
-    "torque": Cost(_torque, "N^2 m^2", 1e-3),
     "transport": Cost(_transport, "m/s", 1.0),
 }

@@ -29,13 +29,11 @@ class Formulation:
     Attributes:
         robot, config: bodies and limits; settings.
         turning: whether the velocities have a yaw rate; else it is zero in all expressions.
-        hip_rate: least forward velocity of the hip [m/s], where it is the phase.
     """
 
     robot: Mechanism
     config: FormulationConfig
     turning: bool = False
-    hip_rate: float = -np.inf
 
     @cached_property
     def tree(self) -> StanceTree:
@@ -45,14 +43,9 @@ class Formulation:
         return (StanceTree if self.config.dynamics == "knee" else PrismaticTree)(self.robot)
 
     @property
-    def by_hip(self) -> bool:
-        """Whether the hip is the phase, and drives it."""
-        return self.config.phase == "hip" and self.hip_rate > 0
-
-    @property
     def facts(self) -> list[Any]:
-        """All that its functions depend on; the hip's least rate is a bound."""
-        return [asdict(self.robot), asdict(self.config), self.turning, self.by_hip]
+        """All that its functions depend on."""
+        return [asdict(self.robot), asdict(self.config), self.turning]
 
     @cached_property
     def weight(self) -> float:
@@ -70,11 +63,6 @@ class Formulation:
         """Toe and heel in the foot frame (3,) [m]."""
         geometry, sole = self.robot.geometry, self.tree.sole
         return sole + [geometry.toe, 0.0, 0.0], sole - [geometry.heel, 0.0, 0.0]
-
-
-def least_hip_rate(config: FormulationConfig, vx: float) -> float:
-    """Bound of the hip's forward velocity [m/s] in gaits with ``vx`` [m/s]; slow ones have none."""
-    return config.hip_share * vx if vx >= config.slowest_hip else -np.inf
 
 
 @dataclass(frozen=True)

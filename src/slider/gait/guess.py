@@ -7,7 +7,7 @@ import numpy as np
 from slider.config.gait import StartSpread
 from slider.config.robot import Mechanism, leg_scale
 from slider.gait.problem import GaitProblem
-from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
+from slider.gait.transcription import ROLL_STATES, Layout
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 from slider.robot.names import ANKLE, EXTENSION
 
@@ -34,7 +34,6 @@ def cold_start(
     layout: Layout,
     robot: Mechanism,
     vx: float,
-    degree: int,
     duration: tuple[float, float],
     start: Start,
 ) -> np.ndarray:
@@ -43,15 +42,15 @@ def cold_start(
     ``duration``: bounds of the step time [s].
     """
     step_time = float(np.clip(start.stride / max(abs(vx), 1e-9), *duration))
-    angles = crouched_walk(robot, vx * step_time / 2 / LEG, degree + 1, start.crouch)
+    angles = crouched_walk(robot, vx * step_time / 2 / LEG, layout.degree + 1, start.crouch)
     return variables_of(layout, np.stack([angles, angles]), step_time)
 
 
 def variables_of(layout: Layout, coefficients: np.ndarray, step_time: float) -> np.ndarray:
     """Variables (size,) of Bézier coefficients (2, 10, degree + 1) and a step time [s], no roll."""
     rolls = np.zeros(ROLL_STATES * layout.nodes)
-    joints = (from_polynomials(layout.joints, step) for step in coefficients)
-    return np.concatenate([np.concatenate([each, [step_time], rolls]) for each in joints])
+    steps = [np.concatenate([step.ravel(), [step_time], rolls]) for step in coefficients]
+    return np.concatenate(steps)
 
 
 def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> np.ndarray:
@@ -93,8 +92,8 @@ def random_start(
     crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
     stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
     leg = LEG * problem.form.leg_scale
-    robot, degree = problem.form.robot, problem.form.config.degree
-    walk = crouched_walk(robot, stride / 2 / leg, degree + 1, crouch)
+    robot = problem.form.robot
+    walk = crouched_walk(robot, stride / 2 / leg, problem.layout.degree + 1, crouch)
     noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
     if robot.virtual_knee is None and robot.geometry.knee is None:
         noise[:, [EXTENSION, LEG_JOINTS + EXTENSION]] *= _PER_RADIAN * robot.geometry.leg_length

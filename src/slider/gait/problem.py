@@ -91,10 +91,9 @@ class GaitProblem:
         leaves the multipliers undetermined.
         """
         rolls = np.tile(ROLL_BOUNDS, self.layout.nodes)
-        place = self.layout.joints.bounded
         sides = []
         for sign, joints, time in zip((-1.0, 1.0), joint_bounds(self.form), duration, strict=True):
-            step = np.where(place < 0, sign * np.inf, joints[place])
+            step = np.repeat(joints, self.layout.degree + 1)  # a polynomial stays in its hull
             sides.append(np.tile(np.concatenate([step, [time], sign * rolls]), 2))
         second = self.layout.time_index(1)
         sides[0][second], sides[1][second] = duration[0] / 2, duration[1] * 2
@@ -139,7 +138,7 @@ def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
     ``ends_hessian``: rows of the step ends y (90,) and the velocity (3,); ``collocation`` with its
     derivatives: Hermite-Simpson defects of all variables.
     """
-    layout = Layout.of(form.config)
+    layout = Layout(form.config.nodes, form.config.degree)
     x, turn = ca.SX.sym("x", NODE), ca.SX.sym("turn", 2)
     node = Node(form, x, turn)
     node_constraints = of_node(node)
@@ -200,7 +199,7 @@ def _symmetric(value: ca.SX, x: ca.SX) -> ca.SX:
 
 
 def _defects(layout: Layout, z: ca.SX) -> ca.SX:
-    """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
+    """Hermite-Simpson defects, separated form, of roll and roll rate."""
     rows = []
     for step in range(2):
         time = layout.time_index(step)
@@ -212,4 +211,4 @@ def _defects(layout: Layout, z: ca.SX) -> ca.SX:
                 rows.append(m[i] - (a[i] + b[i]) / 2 - interval / 8 * (a[i + 1] - b[i + 1]))
                 mean = (a[i + 1] + 4 * m[i + 1] + b[i + 1]) / 6
                 rows.append(b[i] - a[i] - interval * mean)
-    return ca.vertcat(*rows, ca.mtimes(layout.joint_defects, z))
+    return ca.vertcat(*rows)

@@ -6,8 +6,6 @@ stance. The ten joint efforts are the inputs, B = (0, I)ᵀ: no moment acts abou
 Outputs have relative degree two, ÿ = L_f² y + L_g L_f y u with L_g L_f y = H' M⁻¹ B, H' the columns
 of H for roll and joints. Input-output linearisation needs its inverse. Joints as outputs never lose
 it: theirs is a principal block of M⁻¹. Absolute angles can, so that it is theirs that is stored.
-Where the hip is the phase, its forward position p takes the place of the stance ankle, whose effort
-drives the phase: ∇p M⁻¹ B is the row of p̈, the rate of the output of relative degree one.
 """
 
 from functools import cached_property
@@ -17,7 +15,7 @@ import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.gait.dynamics import OwnTree
-from slider.gait.outputs import ANKLE, YAW, output_matrix
+from slider.gait.outputs import YAW, output_matrix
 from slider.gait.tree import NUM_JOINTS, BodyPose
 from slider.robot.names import ACTUATED
 from slider.robot.transmission import Transmission
@@ -64,7 +62,7 @@ class RootedRobot:
         return self.tree.poses(q[0], self.v[0], q[1:], self.v[1:])
 
 
-def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndarray:
+def decoupling(robot: Mechanism, q: np.ndarray) -> np.ndarray:
     """Least singular value [rad/s², m/s²] and condition number (S, 2) at q (S, 11).
 
     Inputs are the motors' torques as shares of their limits: the least singular value is the
@@ -73,13 +71,7 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     rooted, motors = RootedRobot(robot), Transmission.of(robot)
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
-    rows = np.tile(
-        np.delete(output_matrix("absolute", robot.geometry), YAW, axis=1),
-        (len(q), 1, 1),
-    )
-    if by_hip:
-        hip = ca.gradient(rooted.poses(rooted.q)["base"].origin[0], rooted.q)
-        rows[:, ANKLE] = ca.Function("hip", [rooted.q], [hip]).map(len(q))(q.T).full().T
+    rows = np.delete(output_matrix("absolute", robot.geometry), YAW, axis=1)
     inputs = np.zeros((NUM, NUM_JOINTS))
     inputs[1:] = motors.matrix[:, ACTUATED].T * motors.torque
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)

@@ -90,20 +90,10 @@ def _quaternion(r: np.ndarray) -> np.ndarray:
     return np.array([w, *(vector / (4 * w))])
 
 
-def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarray, float]:
-    """Bézier coefficients (2, 10, degree + 1), and by how much they miss the nodes [rad].
-
-    Exact for Bézier joints, least squares for collocated ones; the second step is reflected.
-    """
-    layout = problem.layout
-    positions = layout.node_vectors(variables)[..., ROLL_STATES : ROLL_STATES + NUM_JOINTS]
-    if problem.form.config.transcription == "bezier":
-        steps = [variables[layout.joint_slice(step)] for step in range(2)]
-        return np.stack(steps).reshape(2, NUM_JOINTS, -1), 0.0
-    (basis,) = bezier.basis_orders(problem.form.config.degree, layout.phase, 1)
-    fitted = np.stack([np.linalg.lstsq(basis, step)[0].T for step in positions])
-    missed = np.abs(np.einsum("kw,sjw->skj", basis, fitted) - positions).max()
-    return fitted, float(missed)
+def coefficients(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
+    """Bézier coefficients (2, 10, degree + 1); the second step is reflected."""
+    steps = [variables[problem.layout.joint_slice(step)] for step in range(2)]
+    return np.stack(steps).reshape(2, NUM_JOINTS, -1)
 
 
 def dense_violations(
@@ -128,34 +118,28 @@ def dense_violations(
 def dense_nodes(problem: GaitProblem, variables: np.ndarray, phase: np.ndarray) -> np.ndarray:
     """Node vectors (2 · phases, 34) at phases of both steps.
 
-    Bézier joints are evaluated; what is collocated is the integral of its quadratically
+    Bézier joints are evaluated; the collocated roll is the integral of its quadratically
     interpolated derivative.
     """
-    layout = problem.layout
-    nodes = layout.node_vectors(variables)
+    nodes, joints = problem.layout.node_vectors(variables), coefficients(problem, variables)
     dense = np.zeros((2, len(phase), NODE))
     dense[..., -1] = nodes[:, :1, -1]
     for step in range(2):
         time = nodes[step, 0, -1]
         rolls = nodes[step, :, :ROLL_STATES] * [1.0, time, time**2]
-        rolls = between_nodes(rolls[..., None], phase)[..., 0]
+        rolls = between_nodes(rolls, phase)
         dense[step, :, :ROLL_STATES] = rolls / [1, time, time**2]
-        if problem.form.config.transcription == "bezier":
-            coefficients = variables[layout.joint_slice(step)].reshape(NUM_JOINTS, -1)
-            joints = [bezier.evaluate(coefficients, phase, order) for order in range(ORDERS)]
-        else:
-            states = nodes[step, :, ROLL_STATES:-1].reshape(layout.nodes, ORDERS, NUM_JOINTS)
-            joints = between_nodes(states, phase).transpose(1, 0, 2)
-        dense[step, :, ROLL_STATES:-1] = np.concatenate([*joints], axis=1)
+        orders = [bezier.evaluate(joints[step], phase, order) for order in range(ORDERS)]
+        dense[step, :, ROLL_STATES:-1] = np.concatenate(orders, axis=1)
     return dense.reshape(-1, NODE)
 
 
 def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    """Value, slope and curvature (phases, 3, n) of the collocation polynomials of (nodes, 3, n)."""
+    """Value, slope and curvature (phases, 3) of the collocation polynomials of (nodes, 3)."""
     pieces = (len(states) - 1) // 2
     piece = np.minimum((phase * pieces).astype(int), pieces - 1)
     width = 1.0 / pieces
-    s = (phase - piece * width)[:, None, None]
+    s = (phase - piece * width)[:, None]
     first, middle, last = (states[2 * piece + k] for k in range(3))
     # Parabolas through the three nodes of an interval, and their integrals.
     linear = (-3 * first + 4 * middle - last) / width

@@ -7,7 +7,8 @@ from functools import cache, cached_property
 import casadi as ca
 import numpy as np
 
-from slider.config.gait import SolverConfig, StepTime
+from slider.config.gait import SolverConfig
+from slider.config.types import Interval
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.problem import GaitProblem, worst_of
@@ -77,15 +78,6 @@ class Solve:
     def max_violation(self) -> float:
         """Worst residual over all constraints."""
         return max(self.residuals.values())
-
-
-def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
-    """Bounds of the step time [s] of a commanded velocity: an interval, or one value."""
-    if law.law == "free":
-        return law.lower, law.upper
-    slope = law.slope if law.law == "speed" else 0.0
-    value = float(np.clip(law.value + slope * np.hypot(vx, vy), law.lower, law.upper))
-    return value, value
 
 
 class Nlp:
@@ -164,9 +156,11 @@ def _diagonal(blocks: ca.MX) -> ca.MX:
 class GaitSolver:
     """IPOPT on one problem; reusable for several velocities."""
 
-    def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
+    def __init__(
+        self, problem: GaitProblem, config: SolverConfig, step_time: Interval[float]
+    ) -> None:
         self.problem = problem
-        self._config, self._step_time = config, step_time
+        self._config, self._duration = config, (step_time.lower, step_time.upper)
         self._nlp = Nlp(problem)
         self._ipopt = cache(self._build)
 
@@ -204,8 +198,8 @@ class GaitSolver:
     ) -> Solve:
         """Solve for a velocity [m/s, rad/s], from the initial guesses in order.
 
-        The result is the first that converges or, with ``keep: best``, the cheapest that does.
-        Variables ``start`` (size,) take the place of the guesses.
+        The result is the first that converges, else the first of all. Variables ``start`` (size,)
+        take the place of the guesses.
 
         Raises:
             ValueError: a yaw rate, and the problem's walks do not turn.
@@ -216,11 +210,10 @@ class GaitSolver:
         solves = list[Solve]()
         for guess in self._config.guesses if start is None else [start]:
             solves.append(self.attempt(guess, vx, vy, yaw_rate))
-            if solves[-1].success and self._config.keep == "first":
+            if solves[-1].success:
                 break
-        best = min(solves, key=lambda solve: (not solve.success, solve.success and solve.cost))
         return replace(
-            best,
+            solves[-1] if solves[-1].success else solves[0],
             wall=sum(solve.wall for solve in solves),
             cpu=sum(solve.cpu for solve in solves),
             attempts=tuple(attempt for solve in solves for attempt in solve.attempts),
@@ -237,7 +230,7 @@ class GaitSolver:
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
         name = guess if isinstance(guess, str) else GIVEN
-        worst = self._residuals(rows, variables, (vx, vy))
+        worst = self._residuals(rows, variables)
         return Solve(
             variables=variables,
             status=status,
@@ -264,17 +257,15 @@ class GaitSolver:
                 result = self._call(self._ipopt(True), share * velocity, **start)
             return self._ipopt(True), result
         if isinstance(guess, str):
-            form, duration = self.problem.form, duration_bounds(self._step_time, *velocity[:2])
-            vx, degree = velocity[0] / form.leg_scale, form.config.degree
-            layout, start = self.problem.layout, STARTS[guess]
-            guess = cold_start(layout, form.robot, vx, degree, duration, start)
+            form, layout = self.problem.form, self.problem.layout
+            vx = velocity[0] / form.leg_scale
+            guess = cold_start(layout, form.robot, vx, self._duration, STARTS[guess])
         return self._ipopt(False), self._call(self._ipopt(False), velocity, x0=guess)
 
     def _call(
         self, function: ca.Function, velocity: np.ndarray, **start: np.ndarray
     ) -> dict[str, ca.DM]:
-        duration = duration_bounds(self._step_time, *velocity[:2])
-        lower, upper = self.problem.variable_bounds(duration)
+        lower, upper = self.problem.variable_bounds(self._duration)
         row_lower, row_upper = self.problem.row_bounds
         bounds = {"lbx": lower, "ubx": upper, "lbg": row_lower, "ubg": row_upper}
         result = function(p=velocity, **bounds, **start)
@@ -282,9 +273,7 @@ class GaitSolver:
             raise RuntimeError(f"expected IPOPT to end by itself, found {status}")
         return result
 
-    def _residuals(
-        self, rows: np.ndarray, variables: np.ndarray, velocity: tuple[float, float]
-    ) -> dict[str, tuple[float, str]]:
+    def _residuals(self, rows: np.ndarray, variables: np.ndarray) -> dict[str, tuple[float, str]]:
         """Worst violation by constraint name; constraints of both steps count together."""
         lower, upper = self.problem.row_bounds
         worst: dict[str, tuple[float, str]] = {}
@@ -292,6 +281,5 @@ class GaitSolver:
             at = block.rows
             violation = worst_of(rows[at], lower[at], upper[at], block.scale)
             worst[block.name] = max(worst.setdefault(block.name, violation), violation)
-        bounds = self.problem.variable_bounds(duration_bounds(self._step_time, *velocity))
-        worst["variables"] = worst_of(variables, *bounds)
+        worst["variables"] = worst_of(variables, *self.problem.variable_bounds(self._duration))
         return worst

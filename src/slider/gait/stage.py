@@ -14,7 +14,7 @@ from slider.core.casadi_code import Compiled
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
 from slider.gait.costs import COSTS
-from slider.gait.formulation import Formulation, least_hip_rate
+from slider.gait.formulation import Formulation
 from slider.gait.problem import GaitProblem, build, worst_of
 from slider.gait.rooted import DECOUPLING, decoupling
 from slider.gait.solution import base_motion, coefficients, dense_violations, knee_trajectory
@@ -45,7 +45,7 @@ def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float,
     config = from_dict(SolveConfig, section["solve"])
     robot = from_dict(Mechanism, section["robot"])
     settings = from_dict(FormulationConfig, section["formulation"])
-    form = Formulation(robot, settings, yaw_rate != 0.0, least_hip_rate(settings, vx))
+    form = Formulation(robot, settings, yaw_rate != 0.0)
     problem = build(form, Compiled(job, "gaits", WORTH))
     job.progress(f"gait {velocity_text((vx, vy, yaw_rate))}: built")
     return GaitSolver(problem, config.solver, config.step_time), (vx, vy, yaw_rate)
@@ -58,7 +58,6 @@ def write_report(
     vx, vy, yaw_rate = (float(value) for value in section["velocity"])
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
     arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], yaw_rate)
-    forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
     least = section["solve"]["decoupling_min"]
     missing, worst = worst_of(arrays[DECOUPLING][:, 0], least, np.inf)
     report = {
@@ -69,13 +68,11 @@ def write_report(
         "attempts": [asdict(attempt) for attempt in solve.attempts],
         "cost": solve.cost,
         "cost_unit": COSTS[problem.form.config.cost].unit,
-        "hip_share": float(forward.min()) / vx if vx > 0 else None,
         **_measures(problem.form, arrays, vx),
         "max_violation": max(solve.max_violation, missing),
         "residuals": solve.residuals | {DECOUPLING: missing},
         "worst": solve.worst | {DECOUPLING: worst},
         "between_nodes": dense_violations(problem, solve.variables, yaw_rate),
-        "coefficient_error": coefficients(problem, solve.variables)[1],
     }
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     names = (*VELOCITY, "status", "converged", "iterations", "cost", "max_violation")
@@ -118,7 +115,7 @@ def gait_arrays(
         "samples": np.concatenate([position, velocity, speeds], axis=1),
         "time": np.concatenate([first, second]),
         "step_time": times,
-        "coefficients": coefficients(problem, variables)[0],
+        "coefficients": coefficients(problem, variables),
         "base": base_motion(walk, walk.swing_foot[half - 1, :2], yaw_rate * times[0]),
         "contact": stance,
         "knee_positions": walk.q,
@@ -128,5 +125,5 @@ def gait_arrays(
         "ground_wrench": walk.wrench,
         "swing_foot": walk.swing_foot,
         "roll": roll,
-        DECOUPLING: decoupling(robot, rooted, problem.form.by_hip),
+        DECOUPLING: decoupling(robot, rooted),
     }

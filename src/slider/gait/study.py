@@ -8,10 +8,9 @@ import numpy as np
 from scipy.integrate import simpson
 
 from slider.config.convert import from_dict
-from slider.config.gait import StartSpread, StepTime
+from slider.config.gait import StartSpread
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait.guess import random_start
-from slider.gait.solve import duration_bounds
 from slider.gait.stage import prepare, write_report
 
 
@@ -45,7 +44,7 @@ class MeshGait:
 
     @property
     def torque_cost(self) -> float:
-        """Σ over steps of (1/T) ∫ ‖τ‖² dt by Simpson's rule [N² m²]: the cost ``torque``."""
+        """Σ over steps of (1/T) ∫ ‖τ‖² dt by Simpson's rule [N² m²]."""
         squares = (self.torques**2).sum(axis=-1)
         return float(np.sum(simpson(squares, dx=1.0 / self.intervals, axis=-1)))
 
@@ -69,8 +68,8 @@ class MeshGait:
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait from start ``index`` of a seed; write its report."""
     solver, velocity = prepare(section, job)
-    start = section["start"]
-    duration = duration_bounds(from_dict(StepTime, section["solve"]["step_time"]), *velocity[:2])
+    start, step_time = section["start"], section["solve"]["step_time"]
+    duration = step_time["lower"], step_time["upper"]
     spread = from_dict(StartSpread, start["spread"])
     generator = np.random.default_rng([start["seed"], start["index"]])
     guess = random_start(solver.problem, velocity[0], duration, spread, generator)

@@ -2,8 +2,7 @@
 
 Joints come from the blended polynomials, so that velocities are the derivatives of positions. The
 roll about the foot line and the motion of the base are blended node by node. Between the gaits a
-blend satisfies their constraints only approximately, and it is no periodic solution. With
-``gait.transcription=collocation`` the polynomials are fits, also at the gaits' velocities.
+blend satisfies their constraints only approximately, and it is no periodic solution.
 """
 
 from dataclasses import dataclass

@@ -86,7 +86,7 @@ def labels(geometry: Geometry) -> dict[str, tuple[str, ...]]:
 
 
 # Attributes from the configuration: robot and settings of the gaits (``gait.*``), ...
-ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
+ORIGIN = ("robot", "dynamics", "cost", "kinematic_map")
 # ... and from the optimisation: the velocities without a gait, the unit of the cost.
 OUTCOME = ("holes", "cost_unit")
 

@@ -60,9 +60,7 @@ STAGES = {
     ),
     "stability_gaits": Stage("slider.hzd.stage:run_gaits"),
     "foot_placement": Stage("slider.hzd.stage:collect_placement"),
-    "return_maps": Stage("slider.hzd.stability:run_maps"),
     "stability": Stage("slider.hzd.stability:run", ("stability.csv", "stability.md")),
-    "basin": Stage("slider.hzd.stability:run_basin"),
     "stability_figures": Stage(
         "slider.reports.figures.checks:run_stability",
         tuple(f"figures/{name}" for name in STABILITY_FILES),

@@ -18,7 +18,7 @@ from slider.core.machine import kernels
 from slider.verification.quantities import QUANTITIES
 
 Velocity = tuple[float, float, float]
-_FOR_PEOPLE = ("impacts", "basin", "steps", "chunk")  # settings that foot placement does not use
+_BESIDE = ("steps", "chunk")  # settings that foot placement does not use
 _COLLECTED = ("on_failure", "bounds")  # settings of the collection of checks alone
 
 
@@ -102,25 +102,13 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """What controllers take of the linearised gaits; tables, basins and figures for people."""
-    hzd, alone = to_dict(config.hzd), {"library": [library]}
-    shared = {"hzd": without(hzd, *_FOR_PEOPLE), "numerics": kernels()}
-    gaits = _chunks("stability_gaits", "foot placement", shared, library, config.hzd.chunk)
-    maps = []
-    for chunk in gaits:
-        label = chunk.label.replace("foot placement", "return maps", 1)
-        section = {**chunk.section, "impacts": hzd["impacts"]}
-        maps.append(job("return_maps", label, section, alone | {"gaits": [chunk]}, tracked=False))
-    table = job("stability", "stability", {}, {"gaits": maps})
-    drawn = alone | {"stability": [table]}
-    solved = [gait.section["velocity"] for gait in library.inputs["gaits"]]
-    for vx, vy in hzd["basin"]["gaits"]:
-        if [vx, vy, 0.0] in solved:
-            section = shared | {"basin": without(hzd["basin"], "gaits"), "velocity": [vx, vy, 0.0]}
-            basin = job("basin", f"basin of {vx:.2f} {vy:+.2f} m/s", section, alone, tracked=False)
-            drawn.setdefault("basins", []).append(basin)
+    """What controllers take of the linearised gaits; table and figure for people."""
+    alone = {"library": [library]}
+    section = {"hzd": without(to_dict(config.hzd), *_BESIDE), "numerics": kernels()}
+    gaits = _chunks("stability_gaits", "foot placement", section, library, config.hzd.chunk)
     placement = job("foot_placement", "foot placement", {}, alone | {"gaits": gaits})
-    figures = job("stability_figures", "figures of stability", {}, drawn)
+    table = job("stability", "stability", {}, alone | {"gaits": gaits})
+    figures = job("stability_figures", "figures of stability", {}, alone | {"stability": [table]})
     return {"foot_placement": placement, "stability": table, "stability_figures": figures}
 
 

@@ -31,7 +31,6 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "*speeds[[]* speeds.table1[[]*",  # backward
         "*.com[[]* *.axes.* *.products[[]* *.lower *.joints.*.upper",  # of both signs
         "*.reward.terms.*.weight *.floor *.on_fall",  # penalties
-        "hzd.impacts.* hzd.basin.*",  # perturbations to both sides
     ),
     0: (
         "*.vx* *.vy* *.yaw_rate* *speeds[[]* speeds.table1[[]*",  # to stand still
@@ -52,7 +51,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "*.step.time_change *.step.time_per_speed* *.step.early *.step.late *.observer.delay",
         "*.hzd.weights.* *.hzd.ahead* *.hzd.lock *.hzd.hip_start.* *.hzd.descent",  # switched off
         "verification.bounds.*",  # exact; no limit
-        "hzd.impacts.* hzd.basin.* hzd.placement.lower hzd.feedback.reach",  # as above
+        "hzd.placement.lower hzd.feedback.reach",  # as above
         "gait.decoupling_min",  # none is refused
         "*.seed *.sampler_seed *.seeds[[]* *seeds.*.first seeds.selection",  # counted from
         "*.quality",

@@ -28,7 +28,7 @@ def test_absolute_outputs_are_the_turns_of_torso_swing_leg_and_swing_foot(robot)
     )
     rates = (np.array(ahead) - np.array(behind)) / 2e-6  # (11, body, 3, 3), skew
     turns = np.stack([rates[..., 1, 0], rates[..., 2, 1], rates[..., 0, 2]], axis=-1)
-    rows = np.delete(output_matrix("absolute", robot.geometry), YAW, axis=1)
+    rows = np.delete(output_matrix(robot.geometry), YAW, axis=1)
     for body, found in enumerate((rows[:3], rows[LEG : LEG + 3])):
         np.testing.assert_allclose(found, turns[:, body].T, atol=1e-9)
     np.testing.assert_allclose(rows[LEG + ANKLE], turns[:, 2, 2], atol=1e-9)
@@ -39,7 +39,7 @@ def test_singular_values_of_the_accelerations_that_full_torques_give():
     rng = np.random.default_rng(1)
     robot, q = config().robot, 0.2 * rng.standard_normal((2, NUM))
     rooted, motors = RootedRobot(robot), Transmission.of(robot)
-    rows = np.delete(output_matrix("absolute", GEOMETRY), YAW, axis=1)
+    rows = np.delete(output_matrix(GEOMETRY), YAW, axis=1)
     efforts = np.delete(motors.efforts(np.diag(motors.torque)), [5, 11], axis=1).T
     for place, (least, condition) in zip(q, decoupling(robot, q), strict=True):
         mass = rooted.dynamics(place, np.zeros(NUM))[0].full()

@@ -1,5 +1,6 @@
 """A library of two real gaits, one with the clock and one with the hip for a phase."""
 
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
@@ -11,9 +12,17 @@ from slider.core.arrays import take
 from slider.core.job import Job
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
-from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.step import ClosedLoop
-from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
+from slider.hzd.walk import (
+    STATE,
+    ZeroDynamics,
+    differences,
+    find_cycles,
+    linearise,
+    middle,
+    observed,
+    with_moves,
+)
 from slider.library.reader import STORE, GaitLibrary
 from tests import shared
 from tests.gait.gaits import config
@@ -65,10 +74,33 @@ def zero(gait: int) -> ZeroDynamics:
     return linearise(loop(), one(gait), points()[:, [gait]])
 
 
+@dataclass(frozen=True)
+class WholeMap:
+    """Return map of a gait in all 22 states, derived apart from the zero dynamics' directions.
+
+    Attributes:
+        derivatives, placements: DP (2, 22, 22) and ∂P/∂b (2, 22, 2).
+        projection: Z (2, r, 22): ξ of the state on the zero dynamics with the same future.
+    """
+
+    derivatives: np.ndarray
+    placements: np.ndarray
+    projection: np.ndarray
+
+
 @shared.shared
-def walks() -> list[ReturnMap]:
-    gaits = range(len(library()))
-    return [return_maps(loop(), one(gait), points()[:, [gait]])[0] for gait in gaits]
+def whole(gait: int) -> WholeMap:
+    size, slopes = settings().linearisation.difference, []
+    for plan, x in zip(one(gait), points()[:, [gait]], strict=True):
+
+        def observe(z: np.ndarray, rows: np.ndarray, plan: StepPlan = plan) -> np.ndarray:
+            return observed(loop(), loop().step(take(plan, rows), z[:, :STATE], z[:, STATE:]))
+
+        slopes.append(differences(observe, with_moves(x), size)[1][0])
+    landed, seen = np.split(np.stack(slopes), [STATE], axis=1)
+    now = zero(gait).swung[:, 0, middle(loop())]
+    future = seen.reshape(2, -1, 4, STATE + 2)[:, middle(loop()), : now.shape[1], :STATE]
+    return WholeMap(landed[..., :STATE], landed[..., STATE:], np.linalg.solve(now, future))
 
 
 def dynamics(model: RootedModel, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,13 +10,6 @@ from slider.hzd.plans import plans
 from tests.hzd.sample import CLOCK, HIP, library, loop, settings, steps
 
 
-def test_the_least_velocity_is_a_share_of_the_mean():
-    for plan in steps():
-        velocity = plan.hip.slopes[HIP, :, 0] / plan.duration[HIP]
-        mean = np.trapezoid(velocity, dx=1 / (len(velocity) - 1))
-        assert plan.hip_share[HIP] == pytest.approx(velocity.min() / mean, rel=1e-3)
-
-
 def test_a_hip_that_turns_back_is_named(monkeypatch):
     config, constrained = settings(), loop().model.constrained
 

@@ -1,20 +1,16 @@
-"""Steps, limit cycles, return maps and invariance of two real gaits, executed."""
-
-from dataclasses import replace
+"""Steps, limit cycles, return maps and foot placement of two real gaits, executed."""
 
 import numpy as np
 import pytest
 
-from slider.config.hzd import ImpactGrid
 from slider.core.arrays import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.feedback import regulate
+from slider.hzd.feedback import Regulator, regulate
 from slider.hzd.plans import motion, start
-from slider.hzd.return_map import invariance
-from slider.hzd.step import ClosedLoop, _Steps
-from slider.hzd.walk import chain, differences, multipliers
+from slider.hzd.step import ClosedLoop, _coordinates, _Steps
+from slider.hzd.walk import differences, multipliers
 from tests.env.synthetic import GEOMETRY
-from tests.hzd.sample import CLOCK, HIP, library, loop, one, points, settings, steps, walks, zero
+from tests.hzd.sample import CLOCK, HIP, library, loop, one, points, settings, steps, whole, zero
 
 NUM = 11
 both = pytest.mark.parametrize("gait", [CLOCK, HIP])
@@ -45,11 +41,10 @@ def test_a_step_from_the_collocated_gait_ends_where_the_gait_does():
     np.testing.assert_allclose(flow.landed.state, start(steps()[1], settings()), atol=1e-2)
 
 
-@pytest.mark.parametrize("ankle", ["free", "driven"])
 @both
-def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
-    """M q̈ + h = B u; ÿ = −k_p y − k_d ẏ with the s̈ that q̈ gives; what the ankle does."""
-    plan, config = one(gait)[0], replace(settings(), ankle=ankle)
+def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait):
+    """M q̈ + h = B u; ÿ = −k_p y − k_d ẏ with the s̈ that q̈ gives; the gait's effort of the ankle."""
+    plan, config = one(gait)[0], settings()
     rng = np.random.default_rng(gait)
     phase = np.array([0.6])
     q, rate, _ = motion(plan, phase, config)
@@ -68,20 +63,16 @@ def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
     if gait == HIP:
         turn = (float(slope[0] @ found + bend[0]) - hip_bend * speed**2) / hip_slope
     desired, first, second = (order[0] for order in motion(plan, phase, config))
-    rows = np.delete(output_matrix(config.outputs, GEOMETRY), YAW, axis=1)
+    rows = np.delete(output_matrix(GEOMETRY), YAW, axis=1)
     y, y_rate = rows @ (q[0] - desired), rows @ (v[0] - first * speed)
     missed = rows @ (found - second * speed**2 - first * turn) + config.kp * y + config.kd * y_rate
     mass, bias = model.symbols.dynamics(q[0], v[0])
     efforts = mass.full() @ found + bias.full()[:, 0]
     kept = np.ones(10, bool)
-    kept[ANKLE] = ankle == "driven" and gait == CLOCK
+    kept[ANKLE] = False
     np.testing.assert_allclose(missed[kept], 0.0, atol=1e-4)
     np.testing.assert_allclose(efforts[0], 0.0, atol=1e-4)
-    if ankle == "free":
-        own = plan.ankle.at(phase)[0][0, 0]
-        np.testing.assert_allclose(efforts[1 + ANKLE], own, atol=1e-4)
-    elif gait == HIP:
-        np.testing.assert_allclose(turn, -config.rate_gain * (speed - nominal), atol=1e-4)
+    np.testing.assert_allclose(efforts[1 + ANKLE], plan.ankle.at(phase)[0][0, 0], atol=1e-4)
 
 
 def _advanced(plan, phase, q, v, width, config):
@@ -89,83 +80,93 @@ def _advanced(plan, phase, q, v, width, config):
     return steps_._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
 
 
-def test_outputs_stay_zero_on_the_limit_cycle_and_after_any_impact_with_re_anchoring():
-    """Without it an impact leaves them at more than 0.1 rad/s, and a step ends with a rest."""
-    grid = ImpactGrid([-0.02, 0.02], [-0.1, 0.1])
-    found = invariance(loop(), steps(), points(), grid)
-    assert (found["invariance_orbit"] < 1e-8).all()
-    assert (found["invariance_anchored"] < 1e-6).all()
-    assert (found["invariance_impact"] > 0.1).all()
-    assert (found["invariance_free"] > 1e3 * found["invariance_anchored"]).all()
-    assert (found["settle_angle"] < 0.01).all()
-    joints = ClosedLoop(loop().model, replace(settings(), outputs="joints", phase="time"))
-    clocks = [replace(plan, clock=np.full(2, True)) for plan in steps()]
-    found = invariance(joints, clocks, points(), ImpactGrid([0.002], [-0.01]))
-    assert (found["invariance_anchored"] < 1e-6).all()
+def outputs(plan, x, phase, q, v) -> np.ndarray:
+    """(y, ẏ) (2, 10) at a phase of a step that begins at a state x (22,)."""
+    config, z = settings(), np.r_[x, 0.0][None]
+    run = _Steps(loop(), plan, plan.constraints(config))
+    run._start(z)
+    desired, first, _ = run.constraints.desired(np.array([phase]))
+    at, rate = _coordinates(np.c_[q[None], v[None], 0.0])
+    pace = run._rate(np.array([phase]), np.c_[q[None], v[None], 0.0])[:, None]
+    return np.stack([at - desired, rate - first * pace])[:, 0] @ output_matrix(GEOMETRY).T
+
+
+@both
+def test_outputs_stay_zero_after_any_impact(gait):
+    """Re-anchored, from a roll and roll rate beside the limit cycle's to the end of the step."""
+    rows, plan = np.delete(output_matrix(GEOMETRY), YAW, axis=1), one(gait)[0]
+    turn = np.linalg.svd(rows)[2][-1]
+    for roll, rate in ((0.0, 0.0), (-0.02, 0.1), (0.02, -0.1)):
+        x = points()[0, gait] + np.r_[roll * turn, rate * turn] / turn[0]
+        flow = loop().step(plan, x[None])
+        for place in (0, 5, 10, 15):
+            found = outputs(plan, x, place / 20, flow.q[place, 0], flow.v[place, 0])
+            np.testing.assert_allclose(np.delete(found, ANKLE, axis=1), 0.0, atol=1e-6)
 
 
 @both
 def test_the_walk_returns_to_its_points(gait):
-    found = walks()[gait]
+    cycle = points()[:, gait]
     for step in range(2):
-        flow = loop().step(one(gait)[step], found.points[step][None])
-        np.testing.assert_allclose(flow.landed.state[0], found.points[1 - step], atol=1e-8)
+        flow = loop().step(one(gait)[step], cycle[step][None])
+        np.testing.assert_allclose(flow.landed.state[0], cycle[1 - step], atol=1e-8)
         seen = coordinates(loop().model.measure(flow.q[10], flow.v[10]))
         np.testing.assert_allclose(zero(gait).orbit[step, 0, 10], seen, atol=1e-8)
 
 
+def regulator(gait: int) -> Regulator:
+    return regulate(zero(gait), 0, settings().feedback)
+
+
+def displacement(gait: int, step: int, x: np.ndarray) -> np.ndarray:
+    """b = −K Z (x − x*) (n, 2) of states (n, 22) at the start of a step."""
+    error = (x - points()[step, gait]) @ whole(gait).projection[step].T
+    return -error @ regulator(gait).gains[step].T
+
+
 @both
-def test_the_return_map_has_the_rank_of_the_zero_dynamics(gait):
-    found = walks()[gait]
+def test_the_return_map_has_the_rank_and_the_multipliers_of_the_zero_dynamics(gait):
+    """22 columns of its derivative, from section to section, against the few that count."""
+    found, maps = whole(gait), zero(gait).maps[:, 0]
     rank = 4 if gait == CLOCK else 3
     for derivative in found.derivatives:
         values = np.linalg.svd(derivative, compute_uv=False)
         assert values[rank] < 1e-3 * values[0]
-    assert found.maps.shape == (2, rank, rank)
-    whole, restricted = multipliers(found.derivatives), np.linalg.eigvals(chain(found.maps))
-    order = np.argsort(-np.abs(restricted))
-    np.testing.assert_allclose(np.abs(restricted[order]), np.abs(whole[:rank]), atol=1e-4)
-
-
-@both
-def test_a_few_directions_give_the_foot_placement_of_the_whole_return_map(gait):
-    """22 columns of its derivative, from section to section, against those that count."""
-    found = regulate(zero(gait), 0, settings().feedback)
-    for name in ("gains", "phase_gains"):
-        expected = getattr(walks()[gait].regulator, name)
-        np.testing.assert_allclose(getattr(found, name), expected, atol=1e-5)
-    np.testing.assert_allclose(zero(gait).maps[:, 0], walks()[gait].maps, atol=1e-5)
+    assert maps.shape == (2, rank, rank)
+    executed = np.abs(multipliers(found.derivatives))[:rank]
+    np.testing.assert_allclose(np.abs(multipliers(maps)), executed, atol=1e-4)
+    np.testing.assert_allclose(regulator(gait).multipliers[0] ** 2, executed, atol=1e-4)
+    # Z x is where x is on the zero dynamics: Z⁺ DP = A Z, Z⁺ ∂P/∂b = B.
+    after = found.projection[::-1]
+    np.testing.assert_allclose(after @ found.derivatives, maps @ found.projection, atol=2e-3)
+    np.testing.assert_allclose(after @ found.placements, zero(gait).inputs[:, 0], atol=1e-4)
 
 
 @both
 def test_foot_placement_stabilises_the_executed_walk(gait):
     """The closed loop's own differences have the eigenvalues of A − B K."""
-    found, plans = walks()[gait], one(gait)
-    assert np.abs(multipliers(found.derivatives)[0]) > 2.0
+    found = regulator(gait)
+    assert found.multipliers[0, 0] > 2.0**0.5
     executed = []
-    for step, plan in enumerate(plans):
+    for step, plan in enumerate(one(gait)):
 
         def walked(x, rows, step=step, plan=plan):
-            return loop().step(take(plan, rows), x, found.displacement(step, x, 1.0)).landed.state
+            return loop().step(take(plan, rows), x, displacement(gait, step, x)).landed.state
 
-        executed.append(differences(walked, found.points[step][None], 1e-5)[1][0])
-    expected = np.abs(np.linalg.eigvals(chain(found.closed))).max()
+        executed.append(differences(walked, points()[step, [gait]], 1e-5)[1][0])
+    expected = found.multipliers[1, 0] ** 2
     assert expected < 0.6
     np.testing.assert_allclose(np.abs(multipliers(executed)[0]), expected, atol=2e-3)
-    np.testing.assert_allclose(
-        np.abs(multipliers(found.closed_derivatives)[0]), expected, atol=1e-4
-    )
 
 
 @both
 def test_gains_over_the_phase_ask_for_the_same_step(gait):
     """A perturbed walk whose foot is displaced by b measures ξ(s) with b = −K(s) (ξ − ξ*)."""
-    found, plan = walks()[gait], one(gait)[0]
-    gains, size = found.regulator.phase_gains, 1e-4
-    rows = np.delete(output_matrix(settings().outputs, GEOMETRY), YAW, axis=1)
+    plan, gains, size = one(gait)[0], regulator(gait).phase_gains, 1e-4
+    rows = np.delete(output_matrix(GEOMETRY), YAW, axis=1)
     turn = np.linalg.svd(rows)[2][-1]
-    x = found.points[0] + size * np.r_[turn, 3.0 * turn]
-    b = found.displacement(0, x[None], 1.0)
+    x = points()[0, gait] + size * np.r_[turn, 3.0 * turn]
+    b = displacement(gait, 0, x[None])
     flow = loop().step(plan, x[None], b)
     for k in (0, 10, 14, 20):
         seen = coordinates(loop().model.measure(flow.q[k], flow.v[k]))

@@ -26,7 +26,7 @@ _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _GAUGE = tuple(f"protocol.{name}" for name in ("trials", "speeds", "robots", "duration"))
 _FACTORS = {
     **dict.fromkeys(("gait", "gait_start"), ("formulation.nodes",)),
-    **dict.fromkeys(("stability_gaits", "return_maps", "verification_gaits"), ("velocities",)),
+    **dict.fromkeys(("stability_gaits", "verification_gaits"), ("velocities",)),
     **dict.fromkeys(("standing", "walking"), _TRAINING),
     **dict.fromkeys(("evaluation", "baseline"), _EVALUATION),
     "gauge_axis": (*_GAUGE, "values", "directions"),

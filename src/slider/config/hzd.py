@@ -1,7 +1,7 @@
 """Typed settings of hybrid zero dynamics: virtual constraints, foot placement, stability."""
 
 from dataclasses import asdict, fields
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -14,12 +14,8 @@ PerSecond2 = Annotated[float, t.Unit("1/s²"), Field(ge=0, le=1e6)]
 class VirtualConstraintsConfig(t.Group):
     """Outputs, their phase and what enforces them."""
 
-    outputs: Literal["absolute", "joints"]
-    """absolute: torso, swing leg and swing foot in the world; joints: the joints themselves"""
-    phase: Literal["time", "hip"]
-    """time: the clock; hip: how far the hip is ahead of the stance foot"""
     slowest_hip: t.Positive[t.MetresPerSecond]
-    """gaits with less forward velocity have time for a phase"""
+    """gaits with less forward velocity have time for a phase, others the place of the hip"""
     correction_end: t.Positive[t.Share]
     """phase at which the re-anchoring after an impact is over"""
     placement: Annotated[t.Interval[t.Share], t.ordered("lower", "upper", strict=True)]
@@ -54,35 +50,9 @@ class LinearisationConfig(t.Group):
     """of the fixed point"""
 
 
-class ImpactGrid(t.Group):
-    """Perturbed impacts: every roll with every roll rate."""
-
-    roll: t.Distinct[t.Some[t.Radians]]
-    roll_rate: t.Distinct[t.Some[t.RadiansPerSecond]]
-
-
-class BasinConfig(t.Group):
-    """Which perturbed starts return to the limit cycle, with and without foot placement."""
-
-    roll: t.Interval[t.Radians]
-    """of the perturbation"""
-    roll_rate: t.Interval[t.RadiansPerSecond]
-    """of the perturbation"""
-    points: Annotated[t.Count, Field(ge=2, le=1000)]
-    """in each direction"""
-    steps: t.Count
-    """after which a walk has returned or not"""
-    returned: tuple[t.Positive[t.Radians], t.Positive[t.RadiansPerSecond]]
-    """greatest deviation of roll and roll rate from the limit cycle's then"""
-
-
 class StabilityConfig(VirtualConstraintsConfig):
     """Virtual constraints, and what their stability is measured and made with."""
 
-    ankle: Literal["free", "driven"]
-    """free: the stance ankle gives what the gait asks for, however the robot moves, since the
-    foot's length leaves it little more; driven: it holds its output or the phase's rate, which
-    leaves a foothold nothing to correct forwards"""
     fastest_clock: t.Positive[t.MetresPerSecond]
     """gaits with more forward velocity are not linearised by time as well: no foot placement
     stabilises them there"""
@@ -90,19 +60,9 @@ class StabilityConfig(VirtualConstraintsConfig):
     linearisation: LinearisationConfig
 
 
-class BasinsConfig(BasinConfig):
-    """Basins of attraction of a few gaits."""
-
-    gaits: t.Some[tuple[t.MetresPerSecond, t.MetresPerSecond]]
-    """vx, vy; those that the library does not ask for are left out"""
-
-
 class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
-    impacts: ImpactGrid
-    """at which hybrid invariance is measured"""
-    basin: BasinsConfig
     steps: t.Count
     """that a gait is to walk in MuJoCo"""
     chunk: t.Count

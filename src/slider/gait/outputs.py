@@ -2,8 +2,7 @@
 
 x are roll and yaw of the stance foot's line and the ten driven joints of the prismatic legs, the
 stance leg first, reflected in right stance (12,). The line foot lies flat, so that roll is the
-coordinate without an actuator and yaw is constant during a step. All choices of H have the same
-zero set on the gait; they differ in what a change of roll or heading does to it.
+coordinate without an actuator and yaw is constant during a step.
 """
 
 import numpy as np
@@ -22,21 +21,18 @@ _DRIVEN = np.array(ACTUATED)
 _SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 
-def output_matrix(kind: str, geometry: Geometry) -> np.ndarray:
+def output_matrix(geometry: Geometry) -> np.ndarray:
     """H (10, 12), stance leg first; those of a hip are yaw, roll, pitch, whatever its order.
 
-    ``joints``: the joints themselves. ``absolute``: yaw, roll and pitch of torso, swing leg and
-    (pitch only) swing foot with respect to ground and heading in place of their joints (small
-    angles), both slides or knees, the stance ankle and the swing hip's share; the torso then stays
-    upright where the stance foot rolls.
+    Yaw, roll and pitch of torso, swing leg and (pitch only) swing foot with respect to ground and
+    heading in place of their joints (small angles), both slides or knees, the stance ankle and the
+    swing hip's share: the torso stays upright where the stance foot rolls.
     """
     matrix, knee = np.zeros((NUM_JOINTS, NUM_COORDINATES)), geometry.knee is not None
     matrix[:, JOINTS:] = np.eye(NUM_JOINTS)
     places = [geometry.axes.order.index(name) for name in HIP_JOINTS]
     for leg in (0, LEG):
         matrix[leg : leg + _HIP] = matrix[leg + np.array(places)]
-    if kind == "joints":
-        return matrix
     # Each joint turns what is below it about its axis; yaw, roll and pitch are about z, x and y.
     stance, swing = (
         np.array([axis[[2, 0, 1]] for _, _, axis in geometry.axes.chain(lateral)]).T

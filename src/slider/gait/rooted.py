@@ -71,7 +71,7 @@ def decoupling(robot: Mechanism, q: np.ndarray) -> np.ndarray:
     rooted, motors = RootedRobot(robot), Transmission.of(robot)
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
-    rows = np.delete(output_matrix("absolute", robot.geometry), YAW, axis=1)
+    rows = np.delete(output_matrix(robot.geometry), YAW, axis=1)
     inputs = np.zeros((NUM, NUM_JOINTS))
     inputs[1:] = motors.matrix[:, ACTUATED].T * motors.torque
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)

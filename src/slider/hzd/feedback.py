@@ -27,10 +27,13 @@ class Regulator:
     Attributes:
         gains: K (2, 2, r): b = −K ξ.
         phase_gains: K(s) (2, S, 2, 4).
+        multipliers: moduli per step of those of the walk, greatest first, without foot placement
+            and with it (2, r).
     """
 
     gains: np.ndarray
     phase_gains: np.ndarray
+    multipliers: np.ndarray
 
 
 def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regulator:
@@ -47,8 +50,6 @@ def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regu
     gains, phase_gains = np.zeros((2, 2, r)), np.zeros((2, phases, 2, width))
     for axis, places in _AXES.items():
         answered = [place for place in places if place < r]
-        if not answered:
-            continue
         gain = periodic_lqr(
             maps[np.ix_(range(2), answered, answered)],
             inputs[:, answered, axis : axis + 1],
@@ -59,11 +60,12 @@ def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regu
         flow = swung[np.ix_(range(2), range(phases), answered, answered)]
         flow = flow - moved[:, :, answered, axis, None] @ gain[:, None]
         phase_gains[:, :, axis, answered] = (gain[:, None] @ np.linalg.inv(flow))[:, :, 0]
-    radius = np.sqrt(np.abs(multipliers(maps - inputs @ gains)[0]))
-    if not radius < 1.0:
+    cycles = maps, maps - inputs @ gains
+    moduli = np.sqrt(np.abs([multipliers(each) for each in cycles]))  # a walk has two steps
+    if not (radius := moduli[1, 0]) < 1.0:
         expected = "expected foot placement under which the walk's spectral radius is below 1"
         raise UserError(f"{expected} per step, found {radius:.3g}")
-    return Regulator(gains, phase_gains)
+    return Regulator(gains, phase_gains, moduli)
 
 
 def periodic_lqr(

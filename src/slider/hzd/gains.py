@@ -38,6 +38,12 @@ class FootPlacement:
     placement: np.ndarray
     hip: np.ndarray
 
+    @property
+    def hip_share(self) -> np.ndarray:
+        """Least forward velocity of the hip (G,), as a share of its mean in the same step."""
+        way = np.ptp(self.hip[:, :, [0, -1], 0], axis=2)
+        return (self.hip[..., 1].min(axis=2) / way).min(axis=1)
+
     def save(self, folder: Path) -> None:
         """Write one ``.npy`` per array."""
         for field in fields(self):

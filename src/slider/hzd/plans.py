@@ -35,12 +35,6 @@ class StepPlan(Steps):
     duration: np.ndarray
     clock: np.ndarray
 
-    @property
-    def hip_share(self) -> np.ndarray:
-        """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
-        way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
-        return self.hip.slopes[..., 0].min(axis=1) / way
-
 
 def plans(
     library: GaitLibrary, gaits: np.ndarray, model: RootedModel, config: VirtualConstraintsConfig
@@ -52,7 +46,7 @@ def plans(
     """
     first, second = (_plan(library, gaits, step, model, config) for step in range(2))
     for plan in (first, second):
-        for gait in gaits[~plan.clock & (plan.hip_share <= 0.0)]:
+        for gait in gaits[~plan.clock & (plan.hip.slopes[..., 0].min(axis=1) <= 0.0)]:
             expected = "expected a hip that moves forward at every phase"
             velocity = velocity_text(library.velocities[gait])
             raise UserError(f"{expected}, found one that turns back in the gait {velocity}")
@@ -69,7 +63,6 @@ def _plan(
     n, duration = len(gaits), library.arrays["step_time"][gaits, step]
     per_phase = duration[:, None] ** np.arange(3)
     rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
-    clock = library.velocities[gaits, 0] < config.slowest_hip
     steps = Steps(
         library.arrays["coefficients"][gaits, step],
         NodeTable(rolls[..., :1], rolls[..., 1:2], rolls[..., 2:]),
@@ -92,9 +85,9 @@ def _plan(
     effort = (mass[:, 1] * turn / durations**2).sum(axis=1) + bias[:, 1]
     effort = effort.reshape(n, _NODES, 1)
     ankle = NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
-    by_time = clock | (config.phase == "time")
+    clock = library.velocities[gaits, 0] < config.slowest_hip
     legs = steps.coefficients, steps.roll, placement, steps.lengths, steps.slide_length
-    return StepPlan(*legs, hip, ankle, duration, by_time)
+    return StepPlan(*legs, hip, ankle, duration, clock)
 
 
 def motion(steps: Steps, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:

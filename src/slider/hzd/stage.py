@@ -21,21 +21,21 @@ from slider.hzd.gains import FootPlacement
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.step import PHASES, ClosedLoop
-from slider.hzd.walk import COORDINATES, STATE, find_cycles, linearise
+from slider.hzd.walk import COORDINATES, find_cycles, linearise
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import velocity_text
 
-POINTS = "points.npy"
-"""x* (G, 2, 22) of the gaits' limit cycles at the sections; NaN where there is none."""
+MULTIPLIERS = "multipliers.npy"
+"""(G, 2, 4) of the gaits' walks, see ``Regulator``; NaN beyond their number, or without a cycle."""
 BY_HIP = 1  # the second kind of gains
 
 
 class _Placed(NamedTuple):
-    """A gait's limit cycle and foot placement: x* (2, 22), ξ* (2, S, 4) and K(s) (2, S, 2, 4)."""
+    """A gait's limit cycle and foot placement: ξ* (2, S, 4), K(s) (2, S, 2, 4), multipliers."""
 
-    points: np.ndarray
     orbit: np.ndarray
     gains: np.ndarray
+    multipliers: np.ndarray
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -61,12 +61,12 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
             job.progress(f"gait {names[k]}: no foot placement by {kind}: {reason}")
     by_hip, by_time = kinds
     cycles = {k: placed for k, placed in by_time.items() if clock[k]} | by_hip
-    points = np.full((len(gaits), 2, STATE), np.nan)
-    for k, placed in cycles.items():
-        points[k] = placed.points
-    np.save(out / POINTS, points)
-    # Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
     shape, width = (len(gaits), 2, len(PHASES)), len(COORDINATES)
+    multipliers = np.full((len(gaits), 2, width), np.nan)
+    for k, placed in cycles.items():
+        multipliers[k, :, : placed.multipliers.shape[1]] = placed.multipliers
+    np.save(out / MULTIPLIERS, multipliers)
+    # Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
     gains, orbit = np.zeros((len(gaits), 2, *shape[1:], 2, width)), np.zeros((*shape, width))
     for row, placed in enumerate((by_hip | by_time, by_time | by_hip)):
         for k, gait in placed.items():
@@ -92,8 +92,9 @@ def _placed(
         try:
             if not converged[k]:
                 raise UserError("expected a limit cycle, found none")
-            gains = regulate(walks, k, loop.config.feedback).phase_gains
-            placed[gait] = _Placed(points[:, k], walks.orbit[:, k], gains)
+            regulator = regulate(walks, k, loop.config.feedback)
+            multipliers = regulator.multipliers
+            placed[gait] = _Placed(walks.orbit[:, k], regulator.phase_gains, multipliers)
         except (UserError, np.linalg.LinAlgError) as error:
             refused[gait] = str(error)
     return placed, refused

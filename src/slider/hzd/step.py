@@ -1,19 +1,15 @@
 """One step of the closed loop: the rooted robot under its virtual constraints, up to the impact.
 
-**Outputs.** y = H (x − x_d(s)) are ten. Input-output linearisation gives them
-ÿ = −k_p y − k_d ẏ through the decoupling matrix L_g L_f y = H' M⁻¹ B, H' the columns of H for roll
-and joints. Efforts do not appear here: H' q̈ = rhs and the roll's row of M q̈ + h = B u, the one
-without an input, are eleven equations for q̈, regular where that matrix is.
+**Outputs.** y = H (x − x_d(s)) are ten. The stance ankle gives the gait's own effort, however the
+robot moves, since the foot's length leaves it little more: nine are enforced. Input-output
+linearisation gives them ÿ = −k_p y − k_d ẏ. Their accelerations H' q̈, H' the columns of H for roll
+and joints, the ankle's row of M q̈ + h = B u and the roll's, the one without an input, are eleven
+equations for q̈. The zero dynamics are those of the roll and of the forward motion.
 
-**Phase.** With the clock, s = t/T, all ten outputs have relative degree two and the zero dynamics
-are the roll's. With the hip, s = σ(p(q)), outputs and phase are not independent: p(q) = p*(s) holds
-by definition of s, and the gait has its hip there, p(X(s)) = p*(s). Where nine outputs are zero the
-tenth, the stance ankle's, is too.
-
-**Ankle.** ``driven`` holds its output or, with the hip, drives ṡ T, an output of relative degree
-one: s̈ = −k_v (ṡ − 1/T). ``free`` gives the gait's own effort: nine outputs are left, and their
-zero dynamics are those of the roll and of the forward motion. With the hip s̈ is then what the
-motion makes of it, s̈ = (∇p q̈ + p̈|₀ − p″ ṡ²)/p′, in ÿ as well.
+**Phase.** With the clock s = t/T. With the hip, s = σ(p(q)), outputs and phase are not independent:
+p(q) = p*(s) holds by definition of s, and the gait has its hip there, p(X(s)) = p*(s). Where nine
+outputs are zero the tenth is too. s̈ is what the motion makes of it,
+s̈ = (∇p q̈ + p̈|₀ − p″ ṡ²)/p′, in ÿ as well.
 """
 
 from dataclasses import dataclass
@@ -49,8 +45,6 @@ class Flow:
 
     Attributes:
         q, v: at ``PHASES`` (S, n, 11).
-        residuals: ‖(y, ẏ)‖∞ just after the last impact, at mid-step and just before the next
-            impact (3, n) [rad, m, 1/s]; of the outputs that are driven to zero.
         landed: states just after the impacts.
         phase, time: of the impacts (n,) [-], [s].
         alive: (n,) whether the swing foot came down.
@@ -58,7 +52,6 @@ class Flow:
 
     q: np.ndarray
     v: np.ndarray
-    residuals: np.ndarray
     landed: Landed
     phase: np.ndarray
     time: np.ndarray
@@ -75,7 +68,7 @@ class ClosedLoop:
     @cached_property
     def outputs(self) -> np.ndarray:
         """H (10, 12)."""
-        return output_matrix(self.config.outputs, self.model.geometry)
+        return output_matrix(self.model.geometry)
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -87,19 +80,17 @@ class ClosedLoop:
         plan: StepPlan,
         x: np.ndarray,
         displacement: np.ndarray | None = None,
-        anchored: bool = True,
     ) -> Flow:
         """From n states x = (q, q̇) (n, 22) just after an impact to just after the next one.
 
-        ``displacement`` (n, 2) [m] is that of the swing foot. If ``anchored``, the constraints
-        start where the impact has left the robot.
+        ``displacement`` (n, 2) [m] is that of the swing foot.
         """
         constraints = plan.constraints(self.config)
         if displacement is not None:
             constraints.displacement = displacement
         steps = _Steps(self, plan, constraints)
         with np.errstate(invalid="ignore", over="ignore"):
-            return steps.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
+            return steps.flow(np.pad(x, ((0, 0), (0, 1))))
 
     def part(self, plan: StepPlan, x: np.ndarray, place: int) -> tuple[np.ndarray, np.ndarray]:
         """q and v (n, 11) at ``PHASES[place]`` of steps from n states just after an impact."""
@@ -117,9 +108,8 @@ class _Steps:
     plan: StepPlan
     constraints: StepConstraints
 
-    def flow(self, z: np.ndarray, anchored: bool) -> Flow:
-        phase = self._start(z, anchored)
-        start = self._residual(phase, z)
+    def flow(self, z: np.ndarray) -> Flow:
+        phase = self._start(z)
         nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
         for s, after in pairwise(_NODES):
             nodes.append(self._onward(s, nodes[-1], after))
@@ -128,12 +118,10 @@ class _Steps:
                 break
         phase, z, alive = self._impact(np.stack(nodes), np.stack(heights))
         q, v = z[:, :NUM], z[:, NUM:-1]
-        middle = self._residual(np.full(len(z), 0.5), nodes[_WITHIN // 2])
         sampled = np.stack(nodes[:_WITHIN:2])
         return Flow(
             sampled[..., :NUM],
             sampled[..., NUM:-1],
-            np.stack([start, middle, self._residual(phase, z)]),
             self.loop.model.impact_map(q, v),
             phase,
             z[:, -1],
@@ -142,18 +130,17 @@ class _Steps:
 
     def part(self, z: np.ndarray, place: int) -> np.ndarray:
         """States (n, 23) at one of ``PHASES``."""
-        phase = self._start(z, anchored=True)
+        phase = self._start(z)
         z = self._advance(phase, z, -phase)
         for s, after in pairwise(_NODES[: 2 * place + 1]):
             z = self._onward(s, z, after)
         return z
 
-    def _start(self, z: np.ndarray, anchored: bool) -> np.ndarray:
+    def _start(self, z: np.ndarray) -> np.ndarray:
         """Phases (n,) just after the impact; re-anchors the constraints."""
         phase = np.where(self.plan.clock, 0.0, phase_of(self.plan.hip, self._measure(z).hip))
-        if anchored:
-            x, rate = _coordinates(z)
-            self.constraints.re_anchor(phase, x, rate / self._rate(phase, z)[:, None])
+        x, rate = _coordinates(z)
+        self.constraints.re_anchor(phase, x, rate / self._rate(phase, z)[:, None])
         return phase
 
     def _measure(self, z: np.ndarray) -> Measured:
@@ -173,11 +160,7 @@ class _Steps:
         _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
         rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
         rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
-        free = config.ankle == "free"
-        # s̈ as the ankle drives it, or what (∇p q̈ + p̈|₀ − p″ ṡ²)/p′ has without q̈
-        turn = -config.rate_gain * (rate - nominal)
-        if free:
-            turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)
+        turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)  # s̈ but for q̈
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
@@ -186,17 +169,13 @@ class _Steps:
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
         matrix[:, :-1], right[:, :-1] = self.loop.columns, driven @ self.loop.outputs.T
-        if free and hip.any():
+        if hip.any():
             share = (first @ self.loop.outputs.T)[:, :, None] * slope[:, None]
             share /= hip_slope[:, None, None]
             share[~hip] = 0.0
             matrix[:, :-1] -= share
-        if free:
-            matrix[:, ANKLE] = rows[:, 1]
-            right[:, ANKLE] = self.plan.ankle.at(phase)[0][:, 0] - bias[:, 1]
-        else:
-            matrix[hip, ANKLE] = slope[hip]
-            right[hip, ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
+        matrix[:, ANKLE] = rows[:, 1]
+        right[:, ANKLE] = self.plan.ankle.at(phase)[0][:, 0] - bias[:, 1]
         matrix[:, -1], right[:, -1] = rows[:, 0], -bias[:, 0]
         lost = ~(np.abs(matrix).max(axis=(1, 2)) < _LOST)
         matrix[lost], right[lost] = np.eye(NUM), np.nan
@@ -234,15 +213,6 @@ class _Steps:
             moved = width - measured.height / measured.height_rate * self._rate(start + width, z)
             width = np.where(alive & (np.abs(moved) <= 2 * most), moved, 0.5 * most)
         return start + width, self._advance(start, before, width), alive
-
-    def _residual(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """‖(y, ẏ)‖∞ (n,) of the outputs that are driven to zero."""
-        desired, first, _ = self.constraints.desired(phase)
-        x, rate = _coordinates(z)
-        errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
-        residuals = np.abs(np.stack([error @ self.loop.outputs.T for error in errors]))
-        residuals[:, ~self.plan.clock | (self.loop.config.ankle == "free"), ANKLE] = 0.0
-        return residuals.max(axis=(0, 2))
 
 
 def _coordinates(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

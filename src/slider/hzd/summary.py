@@ -16,22 +16,16 @@ CSV, MARKDOWN = "stability.csv", "stability.md"
 
 QUANTITIES: dict[str, tuple[str, str]] = {
     "phase": ("-", "hip or time"),
-    "spectral_radius": ("1/step", "of the full return map, without foot placement"),
-    "eigenvalues": ("1/step", "moduli of the restricted map's, without foot placement"),
-    "closed_eigenvalues": ("1/step", "the same with it"),
-    "closed_spectral_radius": ("1/step", "of the full return map with it"),
+    "spectral_radius": ("1/step", "of the return map, without foot placement"),
+    "eigenvalues": ("1/step", "moduli of its multipliers that are not zero"),
+    "closed_eigenvalues": ("1/step", "the same with foot placement"),
+    "closed_spectral_radius": ("1/step", "the greatest of these"),
     "gain_position": (
         "-",
         "displacement of the right foot to the left per lateral position, at the start",
     ),
     "gain_lateral": ("s", "the same per lateral velocity"),
     "gain_forward": ("s", "its displacement forward per forward velocity"),
-    "difference": ("-", "change of the derivatives with twice the difference"),
-    "invariance_orbit": ("rad, m, 1/s", "‖(y, ẏ)‖ on the limit cycle"),
-    "invariance_impact": ("rad, m, 1/s", "after perturbed impacts, not re-anchored"),
-    "invariance_free": ("rad, m, 1/s", "at the end of the step after, not re-anchored"),
-    "invariance_anchored": ("rad, m, 1/s", "at the end of the step after, re-anchored"),
-    "settle_angle": ("rad", "by which the ankle lays a foot flat after these impacts"),
     "hip_share": ("-", "least forward velocity of the hip, share of its mean"),
     "decoupling": ("rad/s², m/s²", "least singular value of the decoupling matrix"),
     "condition": ("-", "its greatest condition number"),
@@ -39,13 +33,8 @@ QUANTITIES: dict[str, tuple[str, str]] = {
 """Unit and meaning of each column."""
 _OVER_SPEED = (
     *("spectral_radius", "closed_spectral_radius", "gain_position", "gain_lateral", "gain_forward"),
-    *("invariance_impact", "invariance_free", "invariance_anchored", "hip_share", "decoupling"),
+    *("hip_share", "decoupling"),
 )
-
-
-def per_step(eigenvalues: np.ndarray) -> list[float]:
-    """Moduli of a walk's eigenvalues, per step: a walk has two. Greatest first."""
-    return sorted(np.sqrt(np.abs(eigenvalues)).tolist(), reverse=True)
 
 
 def write_csv(path: Path, rows: Sequence[Values]) -> None:

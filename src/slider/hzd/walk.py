@@ -3,10 +3,10 @@
 A section are the states just after an impact, x = (q, q̇). Outputs are zero or vanish by mid-step
 (re-anchoring), so that the return map has the rank of the zero dynamics at a section. Their
 coordinates are the first r of ξ = (c_y, ċ_y, ċ_x, c_x), place and velocity of the centre of mass
-in the frame of the stance sole: r = 3 where the hip's place is the phase; with the clock 4 where
-the ankle is free, 2 where it is driven. Per step ξ⁺ = A ξ + B b, b the displacement of the swing
-foot. States of the same ξ at mid-step have the same future, so that r + 2 directions are enough:
-those of the zero dynamics and b, followed from a section to the middle of the step after.
+in the frame of the stance sole: r = 3 where the hip's place is the phase, 4 with the clock. Per
+step ξ⁺ = A ξ + B b, b the displacement of the swing foot. States of the same ξ at mid-step have the
+same future, so that r + 2 directions are enough: those of the zero dynamics and b, followed from a
+section to the middle of the step after.
 
 A cycle of period k are maps P_0 … P_{k−1}, from section to section, and points
 x_{j+1} = P_j(x_j), x_k = x_0; for a walk a map is one step. G systems are treated at once: a map
@@ -97,25 +97,7 @@ def linearise(
     values, slopes = (np.stack(each) for each in zip(*derivatives, strict=True))
     landed, seen, onward = np.split(slopes, [STATE, slopes.shape[2] - len(COORDINATES)], axis=2)
     orbit = by_phase(values[:, :, STATE : -len(COORDINATES), None])[..., 0]
-    return zero_dynamics(loop, along.shape[-1] - others.shape[-1], orbit, landed, seen, onward)
-
-
-def zero_dynamics(
-    loop: ClosedLoop,
-    r: int,
-    orbit: np.ndarray,
-    landed: np.ndarray,
-    seen: np.ndarray,
-    onward: np.ndarray,
-) -> ZeroDynamics:
-    """Zero dynamics from derivatives along ``directions``, of which r are theirs.
-
-    Args:
-        orbit: ξ* (2, n, S, 4).
-        landed: derivatives of the states after the next impact (2, n, 22, m).
-        seen: of ξ at ``PHASES`` (2, n, 4 S, m).
-        onward: of ξ at the middle of the step after (2, n, 4, m).
-    """
+    r = along.shape[-1] - others.shape[-1]
     seen, onward = by_phase(seen)[..., :r, :], onward[..., :r, :]
     by_coordinate = np.linalg.inv(seen[:, :, 0, :, :r])
     swung = seen[..., :r] @ by_coordinate[:, :, None]
@@ -132,10 +114,8 @@ def directions(
     Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
     """
     clock = steps[0].clock.all()  # the dimension of the zero dynamics depends on the phase
-    r = (len(COORDINATES) if loop.config.ankle == "free" else 2) if clock else 3
-    outputs = loop.columns
-    if r == len(COORDINATES):
-        outputs = np.delete(outputs, ANKLE, axis=0)
+    r = len(COORDINATES) if clock else len(COORDINATES) - 1
+    outputs = np.delete(loop.columns, ANKLE, axis=0) if clock else loop.columns
     free = np.asarray(block_diag(*2 * [null_space(outputs)]))
     at = np.zeros(len(steps[0].clock))
     result = np.zeros((2, len(at), STATE + _MOVES, r + others.shape[-1]))

@@ -119,6 +119,6 @@ def test_foot_placement_of_other_gaits_or_another_phase_is_refused():
     feedback = FootPlacement.load(placement_folder())
     with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
         placed(replace(feedback, velocities=feedback.velocities + 0.1))
-    section = enforced_section(config("hzd.phase=time").hzd)
-    with pytest.raises(UserError, match=r"expected foot placement for hzd\.phase=time"):
+    section = enforced_section(config("hzd.slowest_hip=0.1").hzd)
+    with pytest.raises(UserError, match=r"expected foot placement for hzd\.slowest_hip=0\.1"):
         EnforcedGaits.load(folder(), placement_folder(), section)

@@ -1,4 +1,4 @@
-"""Maps and basins show the numbers of their tables, gait by gait."""
+"""Maps show the numbers of their tables, gait by gait."""
 
 from pathlib import Path
 
@@ -35,22 +35,7 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     for row in rows[:2]:  # the third gait has no limit cycle
         row |= dict.fromkeys(QUANTITIES, 1.5)
     write_csv(folder / CSV, rows)
-    basin = folder / "basin"
-    basin.mkdir()
-    angle = np.linspace(0, 2 * np.pi, 42)
-    arrays = {
-        "velocity": np.array([0.5, 0.1, 0.0]),
-        "roll": np.array([-0.1, 0.0, 0.1]),
-        "roll_rate": np.array([-1.0, 1.0]),
-        "without": np.full((3, 2), -1),
-        "with": np.arange(6).reshape(3, 2),
-        "walk_without": np.zeros((0, 2)),
-        "walk_with": np.stack([2 * np.cos(angle), np.sin(angle)], axis=1),
-        "cycle": np.stack([np.cos(angle), np.sin(angle)], axis=1),
-    }
-    for name, array in arrays.items():
-        np.save(basin / f"{name}.npy", array)
-    return {"library": [store], "stability": [folder], "basins": [basin]}
+    return {"library": [store], "stability": [folder]}
 
 
 def drawn(run, inputs: dict[str, list[Path]], out: Path) -> set[str]:
@@ -59,10 +44,8 @@ def drawn(run, inputs: dict[str, list[Path]], out: Path) -> set[str]:
     return {path.name for path in out.iterdir()}
 
 
-@pytest.mark.parametrize("names", [("library", "stability", "basins"), ("library", "stability")])
-def test_stability_is_drawn_with_basins_and_without(names, inputs, tmp_path):
-    given = {name: inputs[name] for name in names}
-    assert drawn(run_stability, given, tmp_path) == set(STABILITY_FILES)
+def test_stability_is_drawn(inputs, tmp_path):
+    assert drawn(run_stability, inputs, tmp_path) == set(STABILITY_FILES)
 
 
 CHECKED = [(0.0, -0.1, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]

@@ -78,7 +78,7 @@ class HzdSteps(Stepping):
         self._signs = driven_signs(robot.geometry)
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
-        self._matrix = output_matrix(gaits.constraints.outputs, robot.geometry)
+        self._matrix = output_matrix(robot.geometry)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
@@ -170,7 +170,7 @@ class HzdSteps(Stepping):
 
     def _new(self, velocities: np.ndarray, stance: np.ndarray) -> EnforcedSteps:
         config, steps = self._constraints, self._gaits.at(velocities, stance)
-        by_hip = (velocities[:, 0] >= config.slowest_hip) & (config.phase == "hip")
+        by_hip = velocities[:, 0] >= config.slowest_hip
         phase, line = np.zeros((2, len(stance)))
         rate, footholds = 1.0 / steps.duration, np.zeros((len(stance), 3, 2))
         return EnforcedSteps(steps.constraints(config), phase, rate, by_hip, line, footholds)

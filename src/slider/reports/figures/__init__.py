@@ -10,6 +10,6 @@ NAMES = (
     "smoothness",
 )
 FORMATS = ("svg", "md")
-STABILITY = ("spectral_radius", "basins", "phase_portraits")
+STABILITY = "spectral_radius"
 FILES = tuple(f"{name}.{suffix}" for name in NAMES for suffix in FORMATS)
-STABILITY_FILES = tuple(f"{name}.{suffix}" for name in STABILITY for suffix in FORMATS)
+STABILITY_FILES = tuple(f"{STABILITY}.{suffix}" for suffix in FORMATS)

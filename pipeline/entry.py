@@ -17,7 +17,7 @@ from typing import Any
 
 from pipeline.stages.page import with_renderer
 from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
-from slider.artefacts.maintenance import date_now, drop_damaged
+from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
@@ -275,9 +275,6 @@ def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
                 _print(line)
             if "taken" in account.counts:
                 _print(f"from {remote}: {account}")
-    if late := date_now(store, [*manifests, *store.root.glob("current/*")]):
-        text = f"dated {late} files of {store.root} now: they are from the future"
-        _print(f"{text}, as the clock was set back")
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])

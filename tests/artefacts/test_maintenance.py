@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.current import current_plan
-from slider.artefacts.maintenance import Removed, collect, date_now, drop_damaged, verify
+from slider.artefacts.maintenance import Removed, collect, drop_damaged, verify
 from slider.artefacts.manifest import SCHEMA
 from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.store import Store
@@ -192,12 +191,3 @@ def test_a_damaged_object_of_a_lower_layer_is_repaired(layered, care):
     write_plan(ONE, layered.root / "plans")
     assert len(collect(layered, keep=1).objects) == 7
     assert layered.objects() == [manifest.result.object]
-
-
-def test_only_what_is_from_the_future_is_dated(store, tmp_path):
-    late, early = tmp_path / "late", tmp_path / "early"
-    for path, ahead in ((late, 3600), (early, -3600)):
-        path.touch()
-        os.utime(path, 2 * (time.time() + ahead,))
-    assert date_now(store, [late, early, tmp_path / "absent"]) == 1
-    assert early.stat().st_mtime < late.stat().st_mtime <= time.time()

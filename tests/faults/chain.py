@@ -12,7 +12,7 @@ from pathlib import Path
 from pipeline.entry import one_line
 from pipeline.targets import refresh_marker
 from slider.artefacts import runner
-from slider.artefacts.maintenance import date_now, drop_damaged
+from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import Store
@@ -87,7 +87,6 @@ class Chain:
             paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
             for line in drop_damaged(self.store, paths):
                 print(line)
-            date_now(self.store, [*paths, *self.store.root.glob("current/*")])
             refresh_marker(self.store, self.plan, "table1", [self.report])
         return 0
 

@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -119,14 +118,9 @@ def test_a_read_only_store_can_be_looked_at(real, tmp_path, monkeypatch):
     assert "Traceback" not in failed.stderr
 
 
-def test_a_clock_that_was_set_back_and_a_broken_database_stop_nothing(workspace):
-    tomorrow = time.time() + 86400
-    for pattern in ("library/*.json", "current/*"):
-        for path in workspace.artefacts.glob(pattern):
-            os.utime(path, (tomorrow, tomorrow))
+def test_a_broken_database_stops_nothing(workspace):
     (workspace.artefacts / "mlflow.db").mkdir(parents=True)
     done = workspace.snakemake(TABLE, hydra="train.walking.iterations=5")
     assert done.returncode == 0, done.stderr
-    assert len([line for line in ours(done.stderr) if "they are from the future" in line]) == 1
     assert "MLflow misses part of this run: unable to open database file" in done.stderr
     assert workspace.computed(LONGER) == []

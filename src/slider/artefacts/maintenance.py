@@ -1,4 +1,4 @@
-"""Care of the store: list, verify, date, remove what no recent plan reaches."""
+"""Care of the store: list, verify, remove what no recent plan reaches."""
 
 import os
 import re
@@ -148,23 +148,6 @@ def _derived(manifests: Mapping[Path, Manifest], corrupt: set[str]) -> list[Path
             return sorted(derived)
         derived += following
         recipes |= {others.pop(path).recipe for path in following}
-
-
-def date_now(store: Store, paths: Iterable[Path]) -> int:
-    """Date files of the future now, by the clock of their file system; count them.
-
-    The clock was set back after they were written: Snakemake refuses results that are older than
-    their inputs.
-    """
-    try:
-        with store.temporary("clock") as folder:
-            now = folder.stat().st_mtime_ns
-    except OSError:  # a store without a place to write
-        return 0
-    late = [path for path in paths if path.is_file() and path.stat().st_mtime_ns > now]
-    for path in late:
-        os.utime(path, ns=(now, now))
-    return len(late)
 
 
 def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:

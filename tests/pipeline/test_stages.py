@@ -18,7 +18,7 @@ from tests.config.composed import CONF, composed
 pytestmark = pytest.mark.usefixtures("constant_code")
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
 AFTER_STANDING = {"standing", "walking", "evaluation", "table1"}
-PROTOCOLS = {"sweep", "robust", "onboard", "joystick", "heldout"}
+PROTOCOLS = {"baselines", "sweep", "robust", "onboard", "joystick", "heldout"}
 AXES = {"slope_up", "delay", "push"}
 
 
@@ -75,7 +75,7 @@ def what_changes(made: Callable[..., Mapping[str, object]], override: str) -> se
         (protocols, "protocols.joystick.profile.warm_up=0.1", {"joystick"}),
         (protocols, "protocols.heldout.duration=1.4", {"heldout"}),
         (protocols, "evaluation.trials=3", set()),
-        (protocols, "train.walking.seed=4", PROTOCOLS),
+        (protocols, "train.walking.seed=4", PROTOCOLS - {"baselines"}),
         (axes, f"gauge.scales.delay={[0.005, *(k / 100 for k in range(2, 11))]}", {"delay"}),
         (axes, "gauge.directions=8", {"push"}),
         (axes, "gauge.survival=0.8", set()),

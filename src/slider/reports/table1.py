@@ -43,7 +43,8 @@ _QUALITY = (
 _CAPTION = (
     "Best values are bold, errors among controllers whose success is within 1 % of the best; "
     "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
-    "rate. Errors are those of robots that survive."
+    "rate. Errors are those of robots that survive. `reports/baselines.csv` has the MPC with "
+    "literal settings."
 )
 _PAPERS = (
     " The paper states one MSE and not whether the start counts: it stands beside both of ours."

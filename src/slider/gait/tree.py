@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from slider.config.robot import LINKS, HipAxes, LegJoint, Mechanism, VirtualKnee
+from slider.robot.knee_map import sides
 from slider.robot.names import LEG_MOTORS, NUM_MOTORS
 
 LEG_JOINTS, NUM_JOINTS = LEG_MOTORS, NUM_MOTORS
@@ -159,8 +160,7 @@ class LegMap:
         values = ca.vertcat(0, theta, 0)
         if robot.virtual_knee is not None:
             l1, l2 = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
-            hip = ca.atan2(l2 * ca.sin(theta), l1 + l2 * ca.cos(theta))
-            length = ca.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * ca.cos(theta))
+            hip, _, length = sides(theta, l1, l2, ca)
             values, nominal = ca.vertcat(-hip, length, hip - theta), robot.geometry.leg_length
         slopes = ca.jacobian(values, theta)
         return cls(

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from slider.config.robot import Body, Link, Mechanism
+from slider.robot.knee_map import sides
 
 
 def own_bodies(robot: Mechanism) -> dict[str, Body]:
@@ -75,7 +76,7 @@ def _thigh(robot: Mechanism) -> Body:
     l1, l2 = knee.thigh_length, knee.shank_length
     # Flexion at which hip and ankle are the nominal leg length apart.
     flexion = float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
-    tilt = np.arctan2(l2 * np.sin(flexion), l1 + l2 * np.cos(flexion))
+    tilt, _, _ = sides(flexion, l1, l2)
     shank_centre = (l1 * np.cos(tilt) + geometry.leg_length) / 2  # along the leg, as all of these
     above = upper.mass * (upper.com[2] + geometry.upper_foot_height)
     above += links.pitch.mass * links.pitch.com[2]

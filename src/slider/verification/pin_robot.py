@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from slider.config.robot import Link, Mechanism
-from slider.robot.knee_map import KneeLengths, Motion, prismatic_motion, rates
+from slider.robot.knee_map import KneeLengths, Motion, prismatic_motion, triangle
 from slider.robot.names import LEG_MOTORS, SIDES
 from slider.verification.stored import StepMotion
 
@@ -183,7 +183,7 @@ class PinRobot:
 def slide_jacobian(q: np.ndarray, lengths: KneeLengths) -> np.ndarray:
     """Derivatives (10, 10) of the prismatic legs' joints by the knee legs' at q (10,): eq. 1."""
     matrix = np.eye(len(q))
-    hip, ankle, slide = rates(q[_LEGS + _KNEE], lengths.thigh, lengths.shank)
+    hip, ankle, slide = triangle(q[_LEGS + _KNEE], lengths.thigh, lengths.shank).rates
     for place, slope in ((_PITCH, -hip), (_KNEE, slide), (_ANKLE, -ankle)):
         matrix[_LEGS + place, _LEGS + _KNEE] = slope
     return matrix

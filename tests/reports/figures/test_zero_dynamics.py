@@ -45,8 +45,8 @@ def test_eq_1_takes_the_knees_portrait_to_that_of_the_slide(gait):
     l1, l2 = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
     for part in ("orbit", "manifold", "image"):
         roll, theta, rate = getattr(knee, part)
-        length = knee_map.leg_length(theta, l1, l2) - robot.geometry.leg_length
-        speed = knee_map.rates(theta, l1, l2)[2] * rate
+        length = knee_map.triangle(theta, l1, l2).length - robot.geometry.leg_length
+        speed = knee_map.triangle(theta, l1, l2).rates[2] * rate
         np.testing.assert_allclose(getattr(slide, part), [roll, length, speed], atol=1e-9)
 
 

@@ -82,11 +82,10 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
         ``hip``, ``ankle`` [rad] and ``slide`` [m] of positions; ``hip_rate``, ``ankle_rate``
         [rad/rad] and ``slide_rate`` [m/rad] of velocities per knee speed.
     """
-    zero, variants = np.zeros_like(theta), ("paper", "exact")
-    places = [knee_map.positions(zero, theta, zero, l1, l2, v) for v in variants]
-    rates = [knee_map.velocities(zero, theta, zero + 1, zero, l1, l2, v) for v in variants]
-    errors = {}
-    for suffix, (printed, exact) in (("", places), ("_rate", rates)):
-        for name, part in (("hip", "hip_pitch"), ("ankle", "ankle"), ("slide", "length")):
-            errors[name + suffix] = getattr(printed, part) - getattr(exact, part)
-    return errors
+    printed, exact = (knee_map.triangle(theta, l1, l2, name) for name in ("paper", "exact"))
+    hip, ankle = (mine - its for its, mine in zip(printed.shifts, exact.shifts, strict=True))
+    rates = [mine - its for its, mine in zip(printed.rates, exact.rates, strict=True)]
+    return {
+        **{"hip": hip, "ankle": ankle, "slide": printed.length - exact.length},
+        **{"hip_rate": rates[0], "ankle_rate": rates[1], "slide_rate": -rates[2]},
+    }

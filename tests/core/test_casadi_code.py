@@ -16,7 +16,7 @@ from slider.core.job import Job
 
 needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 FACTS = {"mass": 1.5, "names": ["a", "b"]}
-WORTH = 50
+MIN_PENDING_JOBS = 50
 
 
 def small() -> Functions:
@@ -30,10 +30,12 @@ def never() -> Functions:
     raise AssertionError("expected the compiled functions")
 
 
-def compiled(folder: Path, waiting: int = WORTH, run: str = "a run", **changes: Any) -> Compiled:
+def compiled(
+    folder: Path, waiting: int = MIN_PENDING_JOBS, run: str = "a run", **changes: Any
+) -> Compiled:
     volatile = {"pipeline_started": run}
     job = Job(folder, volatile=volatile, cache=folder / "cache", waiting=waiting, **changes)
-    return Compiled(job, "tests", WORTH)
+    return Compiled(job, "tests", MIN_PENDING_JOBS)
 
 
 def libraries(folder: Path) -> list[Path]:
@@ -70,7 +72,7 @@ def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
 
 
 def test_few_jobs_are_not_worth_it(tmp_path: Path):
-    assert not is_compiled(compiled(tmp_path, WORTH - 1)(FACTS, small))
+    assert not is_compiled(compiled(tmp_path, MIN_PENDING_JOBS - 1)(FACTS, small))
     assert not libraries(tmp_path)
 
 

@@ -14,7 +14,7 @@ from slider.core.job import Job
 from slider.gait.formulation import Node
 from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
-from slider.gait.stage import REPORT, WORTH, run
+from slider.gait.stage import MIN_PENDING_JOBS, REPORT, run
 from slider.gait.transcription import NODE
 from tests.gait.gaits import nodes, problem, section, solver
 
@@ -52,7 +52,12 @@ def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path, monkeypatc
     monkeypatch.setenv("CC", str(compiler))
     out = tmp_path / "compiled"
     out.mkdir()
-    run(section(0.6, 0.1), {}, out, Job(tmp_path, cache=tmp_path / "cache", waiting=WORTH))
+    run(
+        section(0.6, 0.1),
+        {},
+        out,
+        Job(tmp_path, cache=tmp_path / "cache", waiting=MIN_PENDING_JOBS),
+    )
     assert list((tmp_path / "cache").glob("*.so"))
     assert contents(out) == contents(gait[0])
 

@@ -38,7 +38,7 @@ def test_a_step_from_the_collocated_gait_ends_where_the_gait_does():
     assert flow.alive.all()
     np.testing.assert_allclose(flow.phase, 1.0, atol=1e-3)
     np.testing.assert_allclose(flow.time, library().arrays["step_time"][:, 0], atol=1e-3)
-    np.testing.assert_allclose(flow.landed.state, start(steps()[1], settings()), atol=1e-2)
+    np.testing.assert_allclose(flow.after_impact.state, start(steps()[1], settings()), atol=1e-2)
 
 
 @both
@@ -109,7 +109,7 @@ def test_the_walk_returns_to_its_points(gait):
     cycle = points()[:, gait]
     for step in range(2):
         flow = loop().step(one(gait)[step], cycle[step][None])
-        np.testing.assert_allclose(flow.landed.state[0], cycle[1 - step], atol=1e-8)
+        np.testing.assert_allclose(flow.after_impact.state[0], cycle[1 - step], atol=1e-8)
         seen = coordinates(loop().model.measure(flow.q[10], flow.v[10]))
         np.testing.assert_allclose(zero(gait).orbit[step, 0, 10], seen, atol=1e-8)
 
@@ -151,7 +151,7 @@ def test_foot_placement_stabilises_the_executed_walk(gait):
     for step, plan in enumerate(one(gait)):
 
         def walked(x, rows, step=step, plan=plan):
-            return loop().step(take(plan, rows), x, displacement(gait, step, x)).landed.state
+            return loop().step(take(plan, rows), x, displacement(gait, step, x)).after_impact.state
 
         executed.append(differences(walked, points()[step, [gait]], 1e-5)[1][0])
     expected = found.multipliers[1, 0] ** 2

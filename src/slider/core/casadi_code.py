@@ -46,12 +46,12 @@ class Compiled:
     Args:
         job: its ``cache`` holds the libraries.
         subject: of the functions, for the line of progress.
-        worth: jobs that must wait for a compilation to pay. While one compiles the others
+        min_pending_jobs: that must wait for a compilation to pay. While one compiles the others
             interpret; where it pays for one job alone, the others wait.
     """
 
-    def __init__(self, job: Job, subject: str, worth: int = 1) -> None:
-        self._job, self._subject, self._worth = job, subject, worth
+    def __init__(self, job: Job, subject: str, min_pending_jobs: int = 1) -> None:
+        self._job, self._subject, self._min_pending_jobs = job, subject, min_pending_jobs
         self._run = job.volatile.get("pipeline_started", "")
 
     def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
@@ -64,10 +64,13 @@ class Compiled:
             return _load(path, names) or derive()
         functions = derive()
         compiler = _compiler()
-        if self._job.waiting < self._worth or not compiler:
+        if self._job.waiting < self._min_pending_jobs or not compiler:
             return functions
         path.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(Timeout), FileLock(path.with_suffix(".lock"), -1 if self._worth == 1 else 0):
+        with (
+            suppress(Timeout),
+            FileLock(path.with_suffix(".lock"), -1 if self._min_pending_jobs == 1 else 0),
+        ):
             if (names := self._names(path)) is None:
                 names = self._compile(path, functions, compiler)
         return _load(path, names or []) or functions

@@ -91,7 +91,7 @@ def build_plant(
     """The nominal robot on the ground of the disturbance."""
     spec = build_spec(robot, options)
     if disturbance is not None and uneven(disturbance.config):
-        terrain.lay(spec)
+        terrain.add_ground(spec)
     return compile_spec(spec, robot)
 
 

@@ -49,7 +49,7 @@ def magnitude(kind: str, level: float) -> str:
     return f"{sign}{100 * scale.get(kind.partition('_')[0], 0.0) * level:.3g} cm"
 
 
-def lay(spec: mujoco.MjSpec) -> None:
+def add_ground(spec: mujoco.MjSpec) -> None:
     """Add the boxes of the ground to a described robot, and let contact sensors count them."""
     floor = spec.geom(names.FLOOR)
     for index in range(_BOXES):
@@ -60,13 +60,13 @@ def lay(spec: mujoco.MjSpec) -> None:
         box.contype, box.conaffinity = floor.contype, floor.conaffinity
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE  # its tree does not move
     for side in names.SIDES:
-        _stud(spec, side)
+        _add_foot_spheres(spec, side)
     for sensor in spec.sensors:
         if sensor.objname == names.FLOOR:
             sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_BODY, "world"
 
 
-def _stud(spec: mujoco.MjSpec, side: str) -> None:
+def _add_foot_spheres(spec: mujoco.MjSpec, side: str) -> None:
     """Let a row of spheres touch the ground in place of the foot's capsule, which they fill.
 
     MuJoCo's contacts of a capsule with a box jump along it: a light foot rocks on them.
@@ -87,7 +87,7 @@ def _stud(spec: mujoco.MjSpec, side: str) -> None:
 class Terrain:
     """Grounds of N robots in their models.
 
-    :func:`lay` has laid out the ``models``; ``table`` (64, 64) are heights of tiles in [-1, 1].
+    :func:`add_ground` has made the ``models``; ``table`` (64, 64) are heights of tiles in [-1, 1].
 
     Attributes:
         levels: (N,).

@@ -12,7 +12,7 @@ import numpy as np
 
 from slider.core.errors import UserError
 from slider.gait.contact import end_loads, impact, mirrored
-from slider.gait.formulation import Formulation, Node, StepEnd, turned_back
+from slider.gait.formulation import Formulation, Node, StepEnd, rotate_back
 from slider.gait.tree import SWING
 from slider.robot.names import ACTUATED, LEG_MOTORS, SIDES
 
@@ -195,7 +195,7 @@ def of_touchdown(
     force, moment = tree.line_wrench(after.roll, jump)
     vertical, cone = end_loads(form, force, moment)
     place, velocity = tree.point(foot, tree.sole)
-    velocity, axes = turned_back(velocity, turn), turned_back(foot.rotation, turn)
+    velocity, axes = rotate_back(velocity, turn), rotate_back(foot.rotation, turn)
     level = [axes[2, 0], axes[1, 0], ca.sin(after.roll) + axes[2, 1]]
     down = [-tree.point(foot, end)[1][2] for end in form.foot_ends]
     up = [tree.point(lifting, end)[1][2] for end in form.foot_ends]
@@ -231,7 +231,7 @@ def of_walk(
         turns = [sign * velocity[2] * time for sign, time in zip((1, -1), times, strict=True)]
     for end, turn in zip(ends, turns, strict=True):  # along the course at touchdown
         foot = form.tree.point(poses(*end)["swing_foot"], form.tree.sole)[0]
-        steps.append(turned_back(foot, turn / 2)[:2])
+        steps.append(rotate_back(foot, turn / 2)[:2])
     travel = steps
     if form.turning:  # feet and base go along arcs of their own
         pairs = zip(starts, ends, strict=True)

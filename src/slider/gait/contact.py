@@ -5,7 +5,7 @@ import numpy as np
 
 from slider.config.robot import Geometry
 from slider.gait.dynamics import InverseDynamics
-from slider.gait.formulation import Formulation, StepEnd, turned_back
+from slider.gait.formulation import Formulation, StepEnd, rotate_back
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS, BodyPose
 from slider.robot.names import mirror_sign
 
@@ -28,7 +28,7 @@ def impact(
     reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
     new = form.tree.foot_pose(after.roll, after.roll_rate)
     angular = new.angular - reflect_axial @ foot.angular
-    linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
+    linear = new.rotation.T @ (new.linear - reflect @ rotate_back(foot.linear, turn))
     jump, rest = (ca.SX.zeros(3), angular, linear), ca.SX.zeros(NUM_JOINTS)
     return form.tree.newton_euler(
         jump, after.q, rest, after.v - mirrored(before.v, form.robot.geometry)

@@ -144,7 +144,7 @@ class Node:
 
     def along_course(self, vector: ca.SX) -> ca.SX:
         """A world vector (3,) forward, leftward and upward of the course."""
-        return turned_back(vector, self.course)
+        return rotate_back(vector, self.course)
 
     def foot_ends(self, leg: str) -> list[ca.SX]:
         """Toe and heel of ``STANCE`` or ``SWING`` (3,) [m]."""
@@ -181,6 +181,6 @@ class Node:
         return [*joints, *motion, self.force, self.moment, swing]
 
 
-def turned_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
+def rotate_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
     """Vectors (3, n) in axes that are yawed by ``angle`` [rad]; unchanged for a 0."""
     return rotation(2, angle).T @ vectors

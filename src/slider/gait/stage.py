@@ -25,8 +25,8 @@ from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
 from slider.robot.names import ACTUATED, NUM_JOINTS, VELOCITY, velocity_text
 from slider.robot.transmission import Transmission
 
-WORTH = 50
-"""Gaits that pay for a compilation twice: it takes 15 s and saves each 0.6 s."""
+MIN_PENDING_JOBS = 50
+"""Gaits that pay twice for a compilation, which takes 15 s and saves each 0.6 s."""
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -46,7 +46,7 @@ def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float,
     robot = from_dict(Mechanism, section["robot"])
     settings = from_dict(FormulationConfig, section["formulation"])
     form = Formulation(robot, settings, yaw_rate != 0.0)
-    problem = build(form, Compiled(job, "gaits", WORTH))
+    problem = build(form, Compiled(job, "gaits", MIN_PENDING_JOBS))
     job.progress(f"gait {velocity_text((vx, vy, yaw_rate))}: built")
     return GaitSolver(problem, config.solver, config.step_time), (vx, vy, yaw_rate)
 

@@ -45,7 +45,7 @@ class NodeTable:
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.
 
-        Outside [0, 1] it goes on as ``extended`` does.
+        Outside [0, 1] it goes on as ``extrapolated`` does.
         """
         return _interpolated(self.values, self.slopes, self.curvatures, phase)
 
@@ -79,7 +79,7 @@ def _interpolated(
             slope = da + u * (dda + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))
             curve = dda + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))
             inside = value, slope * pieces, curve * pieces**2
-            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _onward(
+            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _extrapolated(
                 inside, phase[robot] - within
             )
     return orders
@@ -152,7 +152,7 @@ class StepConstraints(Generic[AnySteps]):
         Before the start and after the end of the step the motion goes on almost straight.
         """
         within = np.clip(phase, 0.0, 1.0)
-        value, slope, curve = extended(self._gait(within), phase - within)
+        value, slope, curve = extrapolated(self._gait(within), phase - within)
         orders = value, slope, curve
         corrections, moves = self._correction(phase), self._displaced(phase)
         for order, correction, move in zip(orders, corrections, moves, strict=True):
@@ -240,7 +240,7 @@ def smooth_step(u: np.ndarray) -> Orders:
 
 
 @compiled
-def extended(inside: Orders, beyond: np.ndarray) -> Orders:
+def extrapolated(inside: Orders, beyond: np.ndarray) -> Orders:
     """Values (n, m), with two derivatives, ``beyond`` (n,) the phases at which they are known.
 
     The curvature fades linearly to zero, then the motion goes straight on: all three are
@@ -251,14 +251,14 @@ def extended(inside: Orders, beyond: np.ndarray) -> Orders:
     for robot in range(value.shape[0]):
         for k in range(value.shape[1]):
             here = value[robot, k], slope[robot, k], curve[robot, k]
-            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _onward(
+            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _extrapolated(
                 here, beyond[robot]
             )
     return orders
 
 
 @part
-def _onward(here: tuple[float, float, float], beyond: float) -> tuple[float, float, float]:
+def _extrapolated(here: tuple[float, float, float], beyond: float) -> tuple[float, float, float]:
     value, slope, curve = here
     ahead = abs(beyond)
     u = min(ahead / _EASE, 1.0)

@@ -21,7 +21,7 @@ _POLAR, _AXIAL = ca.DM([1.0, -1.0, 1.0]), ca.DM([-1.0, 1.0, -1.0])  # sagittal r
 
 
 @dataclass(frozen=True)
-class Measured:
+class Kinematics:
     """Measurements of n states for guard, phase and section.
 
     Attributes:
@@ -39,7 +39,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Landed:
+class PostImpactState:
     """n states just after an impact, in the next step's coordinates.
 
     Attributes:
@@ -113,12 +113,12 @@ class RootedModel:
         rows, bias, slope, bend = self._constrained(q, v)
         return rows, bias, slope, bend[:, 0]
 
-    def measure(self, q: np.ndarray, v: np.ndarray) -> Measured:
+    def measure(self, q: np.ndarray, v: np.ndarray) -> Kinematics:
         """Measurements for guard, phase and section."""
         hip, com, com_rate, height = self._measure(q, v)
-        return Measured(hip[:, 0], hip[:, 1], com, com_rate, height[:, 0], height[:, 1])
+        return Kinematics(hip[:, 0], hip[:, 1], com, com_rate, height[:, 0], height[:, 1])
 
-    def impact_map(self, q: np.ndarray, v: np.ndarray) -> Landed:
+    def impact_map(self, q: np.ndarray, v: np.ndarray) -> PostImpactState:
         """Plastic impact of the swing foot's line; the old foot leaves.
 
         Only the forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺ is what
@@ -127,7 +127,7 @@ class RootedModel:
         """
         place, mass, carried, angles = self._impact_map(q, v)
         rate = np.linalg.solve(mass, carried[:, :, None])[:, :, 0]
-        return Landed(place, rate, angles[:, 0], angles[:, 1])
+        return PostImpactState(place, rate, angles[:, 0], angles[:, 1])
 
     def placement(self, q: np.ndarray) -> np.ndarray:
         """D (n, 10, 2): joints that move the swing sole by 1 m forward and left [rad/m, m/m].

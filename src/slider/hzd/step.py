@@ -23,7 +23,7 @@ from slider.config.hzd import StabilityConfig
 from slider.gait.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import StepConstraints, phase_of, phase_rate
-from slider.hzd.model import Landed, Measured, RootedModel
+from slider.hzd.model import Kinematics, PostImpactState, RootedModel
 from slider.hzd.plans import StepPlan
 
 PHASES = np.linspace(0.0, 1.0, 21)
@@ -45,14 +45,14 @@ class Flow:
 
     Attributes:
         q, v: at ``PHASES`` (S, n, 11).
-        landed: states just after the impacts.
+        after_impact: states just after the impacts.
         phase, time: of the impacts (n,) [-], [s].
         alive: (n,) whether the swing foot came down.
     """
 
     q: np.ndarray
     v: np.ndarray
-    landed: Landed
+    after_impact: PostImpactState
     phase: np.ndarray
     time: np.ndarray
     alive: np.ndarray
@@ -112,7 +112,7 @@ class _Steps:
         phase = self._start(z)
         nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
         for s, after in pairwise(_NODES):
-            nodes.append(self._onward(s, nodes[-1], after))
+            nodes.append(self._to_node(s, nodes[-1], after))
             heights.append(self._measure(nodes[-1]).height)
             if after > 1.0 and not (heights[-1] > 0).any():
                 break
@@ -133,7 +133,7 @@ class _Steps:
         phase = self._start(z)
         z = self._advance(phase, z, -phase)
         for s, after in pairwise(_NODES[: 2 * place + 1]):
-            z = self._onward(s, z, after)
+            z = self._to_node(s, z, after)
         return z
 
     def _start(self, z: np.ndarray) -> np.ndarray:
@@ -143,7 +143,7 @@ class _Steps:
         self.constraints.re_anchor(phase, x, rate / self._rate(phase, z)[:, None])
         return phase
 
-    def _measure(self, z: np.ndarray) -> Measured:
+    def _measure(self, z: np.ndarray) -> Kinematics:
         return self.loop.model.measure(z[:, :NUM], z[:, NUM:-1])
 
     def _rate(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -191,7 +191,7 @@ class _Steps:
             slopes[k] = self._derivative(phase + _C[k] * width, z + width[:, None] * inner)
         return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
 
-    def _onward(self, phase: float, z: np.ndarray, after: float) -> np.ndarray:
+    def _to_node(self, phase: float, z: np.ndarray, after: float) -> np.ndarray:
         """From one node to the next."""
         return self._advance(np.full(len(z), phase), z, np.full(len(z), after - phase))
 

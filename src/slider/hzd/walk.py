@@ -23,7 +23,7 @@ from scipy.linalg import block_diag, null_space
 from slider.core.arrays import take
 from slider.gait.outputs import ANKLE
 from slider.gait.rooted import NUM
-from slider.hzd.model import Measured
+from slider.hzd.model import Kinematics
 from slider.hzd.plans import StepPlan, motion, start
 from slider.hzd.step import PHASES, ClosedLoop, Flow
 
@@ -42,7 +42,7 @@ class ZeroDynamics:
         orbit: ξ* (2, n, S, 4) at ``PHASES``.
         maps, inputs: A (2, n, r, r), B (2, n, r, 2).
         swung, moved: ∂ξ(s)/∂ξ (2, n, S, r, r) and ∂ξ(s)/∂b (2, n, S, r, 2) at ``PHASES``.
-        landed: ∂x/∂ξ (2, n, 22, r) of the states after the next impact.
+        transition: ∂x/∂ξ (2, n, 22, r) of the states after the next impact.
     """
 
     orbit: np.ndarray
@@ -50,7 +50,7 @@ class ZeroDynamics:
     inputs: np.ndarray
     swung: np.ndarray
     moved: np.ndarray
-    landed: np.ndarray
+    transition: np.ndarray
 
 
 def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
@@ -60,15 +60,15 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
     direction of the return map, whose image is that of the zero dynamics.
     """
 
-    def landed(plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        return loop.step(take(plan, rows), x).landed.state
+    def transition(plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        return loop.step(take(plan, rows), x).after_impact.state
 
-    maps = [partial(landed, plan) for plan in steps]
+    maps = [partial(transition, plan) for plan in steps]
     first, *points = orbits(maps, start(steps[0], loop.config))
     missed = points[-1] - first
     others = np.broadcast_to(with_moves(missed)[:, :, None], (2, len(first), STATE + _MOVES, 1))
     around = linearise(loop, steps, np.stack([first, points[0]]), others)
-    image = around.landed[1]
+    image = around.transition[1]
     before = np.concatenate([image, missed[:, :, None]], axis=2)
     after = np.concatenate([around.maps[0] @ around.maps[1], around.inputs[0]], axis=2)
     inverse = np.linalg.solve(before.mT @ before, before.mT)
@@ -95,15 +95,17 @@ def linearise(
         for plan, after, x, each in zip(steps, steps[::-1], points, along, strict=True)
     ]
     values, slopes = (np.stack(each) for each in zip(*derivatives, strict=True))
-    landed, seen, onward = np.split(slopes, [STATE, slopes.shape[2] - len(COORDINATES)], axis=2)
+    parts = [STATE, slopes.shape[2] - len(COORDINATES)]
+    transition, sampled, ahead = np.split(slopes, parts, axis=2)
     orbit = by_phase(values[:, :, STATE : -len(COORDINATES), None])[..., 0]
     r = along.shape[-1] - others.shape[-1]
-    seen, onward = by_phase(seen)[..., :r, :], onward[..., :r, :]
-    by_coordinate = np.linalg.inv(seen[:, :, 0, :, :r])
-    swung = seen[..., :r] @ by_coordinate[:, :, None]
-    onward = np.concatenate([onward[..., :r] @ by_coordinate, onward[..., r:]], axis=-1)
-    maps, inputs = np.split(restrict(swung[:, :, middle(loop)], onward), [r], axis=-1)
-    return ZeroDynamics(orbit, maps, inputs, swung, seen[..., r:], landed[..., :r] @ by_coordinate)
+    sampled, ahead = by_phase(sampled)[..., :r, :], ahead[..., :r, :]
+    by_coordinate = np.linalg.inv(sampled[:, :, 0, :, :r])
+    swung = sampled[..., :r] @ by_coordinate[:, :, None]
+    ahead = np.concatenate([ahead[..., :r] @ by_coordinate, ahead[..., r:]], axis=-1)
+    maps, inputs = np.split(restrict(swung[:, :, middle(loop)], ahead), [r], axis=-1)
+    transition = transition[..., :r] @ by_coordinate
+    return ZeroDynamics(orbit, maps, inputs, swung, sampled[..., r:], transition)
 
 
 def directions(
@@ -140,23 +142,23 @@ def _observe(
 ) -> np.ndarray:
     """``observed``, then ξ at the middle of the step after, of states and displacements."""
     flow = loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:])
-    onward = loop.part(take(after, rows), flow.landed.state, middle(loop))
-    return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*onward))], axis=1)
+    ahead = loop.part(take(after, rows), flow.after_impact.state, middle(loop))
+    return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*ahead))], axis=1)
 
 
 def observed(loop: ClosedLoop, flow: Flow) -> np.ndarray:
     """States after the next impact (22), then ξ at all phases."""
-    seen = [_coordinates(loop.model.measure(q, v)) for q, v in zip(flow.q, flow.v, strict=True)]
-    return np.concatenate([flow.landed.state, *seen], axis=1)
+    sampled = [_coordinates(loop.model.measure(q, v)) for q, v in zip(flow.q, flow.v, strict=True)]
+    return np.concatenate([flow.after_impact.state, *sampled], axis=1)
 
 
-def _coordinates(at: Measured) -> np.ndarray:
+def _coordinates(at: Kinematics) -> np.ndarray:
     return np.stack([at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0], at.com[:, 0]], axis=1)
 
 
-def by_phase(seen: np.ndarray) -> np.ndarray:
+def by_phase(sampled: np.ndarray) -> np.ndarray:
     """Values (2, n, 4 S, m) as (2, n, S, 4, m)."""
-    return seen.reshape(*seen.shape[:2], len(PHASES), len(COORDINATES), -1)
+    return sampled.reshape(*sampled.shape[:2], len(PHASES), len(COORDINATES), -1)
 
 
 def differences(
@@ -228,7 +230,7 @@ def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     return eigenvalues[np.argsort(-np.abs(eigenvalues))]
 
 
-def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:
+def restrict(now: np.ndarray, ahead: np.ndarray) -> np.ndarray:
     """Derivatives (k, ..., r, m) of a cycle's maps on a manifold that attracts within one map.
 
     The future of a point depends on r numbers alone; F_j are their derivatives at section j. A
@@ -236,8 +238,8 @@ def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:
 
     Args:
         now: F_j E_j (k, ..., r, r), with tangents x = E_j ξ of the manifold at the sections.
-        onward: of F at the next section, along m directions at this one (k, ..., r, m). Along E_j
+        ahead: of F at the next section, along m directions at this one (k, ..., r, m). Along E_j
             they give A_j, ξ_{j+1} = A_j ξ_j, whose product has the multipliers of the whole cycle
             that are not zero.
     """
-    return np.linalg.solve(np.roll(now, -1, axis=0), onward)
+    return np.linalg.solve(np.roll(now, -1, axis=0), ahead)

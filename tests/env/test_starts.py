@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from slider.config.env import StartNoise
-from slider.env.starts import about, at_rest, multiply_quaternions, perturb
+from slider.env.starts import at_rest, multiply_quaternions, perturb, sample_about
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import JOINTS, config, make_guide, make_physics, robot_config
@@ -55,7 +55,7 @@ def on_gaits(count: int) -> tuple[np.ndarray, np.ndarray]:
 def test_noise_about_a_gait_puts_no_foot_into_the_ground():
     states = on_gaits(4000)
     noise = config("experiment=default").env.start
-    qpos, qvel = about(states, robot_config(), noise, np.random.default_rng(0))
+    qpos, qvel = sample_about(states, robot_config(), noise, np.random.default_rng(0))
     assert (lowest(qpos) < -0.001).mean() == 0.0
     assert lowest(qpos).min() > -1e-12
     plain_qpos, plain_qvel = (values.copy() for values in states)

@@ -10,7 +10,7 @@ import pytest
 
 from slider.config.env import TerrainKind
 from slider.env import terminations
-from slider.env.height_field import FLAT, UnevenGround, fitted
+from slider.env.height_field import FLAT, UnevenGround, adapt_to_terrain
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.env.physics import BatchedPhysics
@@ -220,7 +220,7 @@ def test_base_height_and_terminations_are_about_the_ground_under_the_feet():
 def test_the_guide_follows_the_ground_under_each_foot():
     feet = np.array([[[0.2, 0.1], [-0.2, -0.1]]] * 2)
     geometry, joints = robot_config().geometry, np.zeros((2, names.NUM_JOINTS))
-    change = fitted(ramp(), feet, np.array([0.0, np.pi]), geometry, joints)
+    change = adapt_to_terrain(ramp(), feet, np.array([0.0, np.pi]), geometry, joints)
     columns = [JOINTS.index(name) for name in ("left_slide", "right_slide", "left_ankle")]
     turn = np.arctan(0.1)
     expected = [[-0.02, 0.02, -turn], [-0.02, 0.02, turn]]

@@ -10,14 +10,14 @@ from slider.config.robot import Geometry, RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
     about_z,
+    extend_leg,
     foot_ends,
     foot_motion,
+    leg_extension_jacobian,
     leg_points,
     quaternion_from_tilt,
     rotation_from_quaternion,
     standing_height,
-    stretched,
-    stretching,
     turn_to_heading,
     yaw_of,
 )
@@ -130,10 +130,10 @@ def leg_of(robot: RobotConfig, sagittal: np.ndarray) -> np.ndarray:
 def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extension):
     geometry, at = robot.geometry, np.array(extension)
     joints, step = np.array([0.1, extension, 0.0]), 1e-6
-    leg, way = leg_of(robot, joints), stretching(geometry, at)
+    leg, way = leg_of(robot, joints), leg_extension_jacobian(geometry, at)
     longer = leg_of(robot, joints + step * way) - leg_of(robot, joints - step * way)
     np.testing.assert_allclose(longer / (2 * step), leg / np.linalg.norm(leg), atol=1e-6)
-    change = stretched(geometry, at, np.array(-0.04))
+    change = extend_leg(geometry, at, np.array(-0.04))
     shorter = (1.0 - 0.04 / np.linalg.norm(leg)) * leg
     np.testing.assert_allclose(leg_of(robot, joints + change), shorter, atol=1e-12)
     if geometry.knee is not None:
@@ -143,8 +143,10 @@ def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extensio
 def test_a_leg_with_a_knee_is_at_most_almost_straight():
     geometry = kneed().geometry
     straight = np.array(-geometry.bend)
-    assert np.abs(stretching(geometry, straight)).max() < 1.0 / (0.03 * geometry.leg_length)
-    change = stretched(geometry, np.zeros(()), np.array(1.0))
+    assert np.abs(leg_extension_jacobian(geometry, straight)).max() < 1.0 / (
+        0.03 * geometry.leg_length
+    )
+    change = extend_leg(geometry, np.zeros(()), np.array(1.0))
     assert np.linalg.norm(leg_of(kneed(), change)) == pytest.approx(0.995 * 0.8, abs=1e-3)
 
 

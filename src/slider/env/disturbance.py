@@ -20,7 +20,7 @@ from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env import randomization, terrain
-from slider.env.starts import NUMPY, SLIDES, turned
+from slider.env.starts import NUMPY, SLIDES, rotate
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
@@ -90,12 +90,12 @@ def build_plant(
 ) -> mujoco.MjModel:
     """The nominal robot on the ground of the disturbance."""
     spec = build_spec(robot, options)
-    if disturbance is not None and uneven(disturbance.config):
+    if disturbance is not None and has_terrain(disturbance.config):
         terrain.add_ground(spec)
     return compile_spec(spec, robot)
 
 
-def uneven(config: DisturbanceConfig) -> bool:
+def has_terrain(config: DisturbanceConfig) -> bool:
     """Whether the ground of any robot is not flat."""
     return set(config.terrain.kinds) != {"flat"}
 
@@ -246,7 +246,7 @@ def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> Robot
     """
     xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
     positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
-    quaternion = turned(state.quaternion, config.orientation * base[:, :3])
+    quaternion = rotate(state.quaternion, config.orientation * base[:, :3])
     rotation = rotation_from_quaternion(quaternion)
     yaw = yaw_of(rotation)
     linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]

@@ -20,7 +20,7 @@ from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import SLIDES
 from slider.env.state import RobotState
 from slider.robot.bodies import own_bodies, total_mass
-from slider.robot.kinematics import FootMotion, foot_motion, stretching
+from slider.robot.kinematics import FootMotion, foot_motion, leg_extension_jacobian
 from slider.robot.names import GRAVITY, LEG_SIZE, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
@@ -67,7 +67,7 @@ class Leg(NamedTuple):
         bodies, geometry = own_bodies(robot), robot.geometry
         tube, foot = bodies["tube"], bodies["foot"]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
-        stretch = stretching(geometry, np.zeros(()))
+        stretch = leg_extension_jacobian(geometry, np.zeros(()))
         sagittal = list(geometry.sagittal)
         damping = [robot.joints[geometry.leg_joints[k]].damping for k in sagittal]
         inertia = leg_inertia(robot)[np.ix_(sagittal, sagittal)]
@@ -186,7 +186,7 @@ class StateEstimator:
         )
         if self._geometry.knee is None:
             return measured.motor_torques @ self._slide_efforts, rates, places
-        xp, stretch = namespace(places), stretching(self._geometry, places)
+        xp, stretch = namespace(places), leg_extension_jacobian(self._geometry, places)
         efforts = xp.stack([measured.motor_torques @ motors for motors in self._sagittal], axis=1)
         per_length = stretch[..., 1]
         return (efforts * stretch).sum(-1), rates / per_length, places / per_length

@@ -5,7 +5,7 @@ import torch
 
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, tensors
-from slider.env.height_field import fitted
+from slider.env.height_field import adapt_to_terrain
 from slider.env.interface import FLOAT64
 from slider.env.state import View
 from slider.library.lookup import GaitTable
@@ -72,7 +72,7 @@ class Guide:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
         Where the clock is halted: standing on both feet, at rest. On uneven ground the legs fit to
-        the ground under their feet (:func:`slider.env.height_field.fitted`).
+        the ground under their feet (:func:`slider.env.height_field.adapt_to_terrain`).
         """
         command = view.gait_velocity
         if self._nearest:
@@ -82,7 +82,7 @@ class Guide:
         state = view.state
         if not state.ground.flat:
             feet, joints = state.foot_positions[..., :2], reference[:, :NUM_JOINTS]
-            change = fitted(state.ground, feet, state.yaw, self._geometry, joints)
+            change = adapt_to_terrain(state.ground, feet, state.yaw, self._geometry, joints)
             reference[:, :NUM_JOINTS] += change
         return reference
 

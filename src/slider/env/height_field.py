@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot import names
-from slider.robot.kinematics import stretched, turn_to_heading
+from slider.robot.kinematics import extend_leg, turn_to_heading
 
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
@@ -168,7 +168,9 @@ class ScannedGround:
         return xp.where(seen, heights, self.level[:, None])
 
 
-def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: Array) -> Array:
+def adapt_to_terrain(
+    ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: Array
+) -> Array:
     """Change of joint positions (N, 12) by which legs made for level ground fit to the ground.
 
     A leg is shorter by as much as the ground under its foot is higher than the mean under both, an
@@ -186,6 +188,6 @@ def fitted(ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: 
         sagittal = [leg * names.LEG_SIZE + place for place in geometry.sagittal]
         _, slide, ankle = sagittal
         longer = mean - heights[:, leg]
-        result[:, sagittal] = stretched(geometry, joints[:, slide], longer)
+        result[:, sagittal] = extend_leg(geometry, joints[:, slide], longer)
         result[:, ankle] -= namespace(yaw).arctan(steep)
     return result

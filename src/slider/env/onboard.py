@@ -18,7 +18,7 @@ from slider.env.disturbance import (
 )
 from slider.env.estimator import StateEstimator
 from slider.env.height_field import FLAT, ScannedGround
-from slider.env.starts import SLIDES, turned
+from slider.env.starts import SLIDES, rotate
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
 from slider.robot.names import GRAVITY, NUM_JOINTS, NUM_MOTORS
@@ -89,7 +89,7 @@ class OnboardState:
         scale = asarray([sensors.tilt_bias, sensors.tilt_bias, sensors.heading_drift], normal)
         angles = scale * tilt
         angles[:, 2] *= self._age
-        quaternion = turned(state.quaternion, angles)
+        quaternion = rotate(state.quaternion, angles)
         rotation = rotation_from_quaternion(quaternion)
         offset = sensors.joint_bias * self._biased * joint
         biased = replace(

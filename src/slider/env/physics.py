@@ -16,7 +16,7 @@ from mujoco import rollout
 from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
-from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, uneven
+from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, has_terrain
 from slider.env.height_field import FLAT, Ground
 from slider.env.height_field import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, acting_torques, loads, observe
@@ -75,7 +75,7 @@ class BatchedPhysics:
         self._ground: Ground = FLAT
         seeds = (0,) if disturbance is None else disturbance.seeds
         if disturbance is not None:
-            write, on_terrain = None, uneven(disturbance.config)
+            write, on_terrain = None, has_terrain(disturbance.config)
             if on_terrain or vary(disturbance.config):
                 self.models = [copy.copy(self.model) for _ in range(num_robots)]
                 self._constants = mujoco.MjData(self.model)

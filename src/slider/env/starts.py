@@ -44,7 +44,7 @@ def at_rest(
     return qpos, qvel
 
 
-def about(
+def sample_about(
     states: tuple[Array, Array], robot: RobotConfig, noise: StartNoise, rng: Any
 ) -> tuple[Array, Array]:
     """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
@@ -87,7 +87,7 @@ def multiply_quaternions(a: Array, b: Array) -> Array:
     return xp.concat([scalar[:, None], vector], axis=1)
 
 
-def turned(quaternion: Array, angles: Array) -> Array:
+def rotate(quaternion: Array, angles: Array) -> Array:
     """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
     xp = namespace(angles)
     small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)

@@ -17,7 +17,7 @@ import numpy as np
 
 from slider.config.env import TerrainConfig
 from slider.config.robot import RobotConfig
-from slider.env.height_field import CELL, DEPTH, TILES, UnevenGround, fitted
+from slider.env.height_field import CELL, DEPTH, TILES, UnevenGround, adapt_to_terrain
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion, yaw_of
 
@@ -186,7 +186,7 @@ class Terrain:
         before = self._ends(qpos)
         yaw = yaw_of(rotation_from_quaternion(qpos[:, 3:7]))
         qpos = qpos.copy()
-        qpos[:, 7:] += fitted(
+        qpos[:, 7:] += adapt_to_terrain(
             ground, before.mean(axis=2)[..., :2], yaw, self._geometry, qpos[:, 7:]
         )
         line = _ALONG[:, None]

@@ -21,7 +21,7 @@ from slider.env.interface import AgentInterface
 from slider.env.phase import standing
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
-from slider.env.starts import about, at_rest
+from slider.env.starts import at_rest, sample_about
 from slider.env.state import RobotState
 from slider.env.velocities import Random, VelocitySampler
 from slider.library.lookup import GaitTable, JointTable, StepTimes
@@ -205,7 +205,9 @@ class WalkingEnv(VecEnv):
         velocity, heading = command.new_zeros(count, 2), qpos.new_full((count,), math.nan)
         if self._guide is not None:
             gait, when = command[on_gait], phase[on_gait]
-            starts = about(self._guide.states(gait, when), self._robot, self._config.start, rng)
+            starts = sample_about(
+                self._guide.states(gait, when), self._robot, self._config.start, rng
+            )
             qpos[on_gait], qvel[on_gait] = starts
             heading[on_gait] = self._guide.course(gait, when)
             velocity[on_gait] = gait[:, :2]

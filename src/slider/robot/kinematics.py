@@ -181,7 +181,7 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
     return _Leg(hip, knee, ankle, tube)
 
 
-def stretching(geometry: Geometry, extension: Array) -> Array:
+def leg_extension_jacobian(geometry: Geometry, extension: Array) -> Array:
     """Hip pitch, slide or knee, and ankle per length of the leg [m] at slides or knees (...).
 
     Along (..., 3) the leg gets longer, its direction and the foot's stay. A knee that is almost
@@ -200,11 +200,11 @@ def stretching(geometry: Geometry, extension: Array) -> Array:
     return xp.stack([-turn, zero + 1.0, turn - 1.0], axis=-1) / grown[..., None]
 
 
-def stretched(geometry: Geometry, extension: Array, longer: Array) -> Array:
+def extend_leg(geometry: Geometry, extension: Array, longer: Array) -> Array:
     """Change of hip pitch, slide or knee, and ankle (..., 3) that makes a leg ``longer`` [m].
 
-    As :func:`stretching`, exactly, at slides or knees ``extension`` (...). A leg with a knee gets
-    as long as it can.
+    As :func:`leg_extension_jacobian`, exactly, at slides or knees ``extension`` (...). A leg with a
+    knee gets as long as it can.
     """
     xp, zero = namespace(extension), 0.0 * extension
     if geometry.knee is None:

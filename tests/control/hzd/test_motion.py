@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.control.hzd.motion import hip, uneven
+from slider.control.hzd.motion import hip, terrain_motion
 from slider.control.whole_body.memory import RIGHT, Memory
 from slider.env.height_field import FLAT
 from slider.gait.outputs import ANKLE, STANCE, SWING
@@ -38,7 +38,7 @@ def change(ground, phase: float, heading: float = 0.0):
     memory = Memory.on_both_feet(np.zeros((COUNT, 3)), np.full(COUNT, heading))
     memory.ground = ground
     sagittal, stretch = np.array([2, 3, 4]), np.array([0.0, 1.0, 0.0])
-    return uneven(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), sagittal, stretch)
+    return terrain_motion(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), sagittal, stretch)
 
 
 @pytest.mark.parametrize(("phase", "legs"), [(0, [0, 0]), (0.5, [0.01, -0.01]), (1, [0.02, -0.02])])

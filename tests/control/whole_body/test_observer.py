@@ -8,7 +8,7 @@ import pytest
 from slider.config.control import ObserverConfig
 from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
-from slider.control.whole_body.observer import Observer, rotation_between, turned
+from slider.control.whole_body.observer import Observer, rotate, rotation_between
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
@@ -95,7 +95,7 @@ def test_turns_between_orientations():
     old, new = generator.normal(size=(2, 5, 4))
     old /= np.linalg.norm(old, axis=1, keepdims=True)
     new /= np.linalg.norm(new, axis=1, keepdims=True)
-    found = turned(old, rotation_between(old, new))
+    found = rotate(old, rotation_between(old, new))
     np.testing.assert_allclose(np.abs((found * new).sum(axis=1)), 1.0, atol=1e-12)
     np.testing.assert_allclose(rotation_between(old, old), 0.0, atol=1e-7)
 

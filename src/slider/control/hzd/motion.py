@@ -90,7 +90,7 @@ def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
     return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
 
 
-def uneven(
+def terrain_motion(
     memory: Memory,
     robots: np.ndarray,
     footholds: np.ndarray,
@@ -100,12 +100,12 @@ def uneven(
 ) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
 
-    Gaits are those of level ground. As in :func:`slider.env.height_field.fitted`, the base counts
-    from the mean of the ground under both feet, and ankles are turned by its slope. With h the
-    height of the swing foot's ground over the stance foot's, the stance leg is longer by h/2, the
-    swing leg shorter. The centre of mass then goes parallel to the line through the footholds,
-    where the linear pendulum moves as on level ground (Kajita et al., "The 3D linear inverted
-    pendulum mode", IROS 2001).
+    Gaits are those of level ground. As in :func:`slider.env.height_field.adapt_to_terrain`, the
+    base counts from the mean of the ground under both feet, and ankles are turned by its slope.
+    With h the height of the swing foot's ground over the stance foot's, the stance leg is longer by
+    h/2, the swing leg shorter. The centre of mass then goes parallel to the line through the
+    footholds, where the linear pendulum moves as on level ground (Kajita et al., "The 3D linear
+    inverted pendulum mode", IROS 2001).
 
     Args:
         memory, robots: with the ground; indices (n,).

@@ -7,7 +7,7 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
-from slider.control.hzd.motion import Motion, hip, motion, section, side_of, uneven
+from slider.control.hzd.motion import Motion, hip, motion, section, side_of, terrain_motion
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
@@ -18,7 +18,7 @@ from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
 from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
-from slider.robot.kinematics import stretching, turn_to_heading
+from slider.robot.kinematics import leg_extension_jacobian, turn_to_heading
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
@@ -73,7 +73,7 @@ class HzdSteps(Stepping):
     ) -> None:
         self._config, self._constraints = config, gaits.constraints
         self._gaits = gaits
-        self._stretch = stretching(robot.geometry, np.zeros(()))
+        self._stretch = leg_extension_jacobian(robot.geometry, np.zeros(()))
         self._sagittal = np.array(robot.geometry.sagittal)
         self._signs = driven_signs(robot.geometry)
         self._body, self._period = plant.body, plant.period
@@ -180,7 +180,7 @@ class HzdSteps(Stepping):
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
-        return uneven(memory, robots, footholds, walk.phase, self._sagittal, self._stretch)
+        return terrain_motion(memory, robots, footholds, walk.phase, self._sagittal, self._stretch)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""

@@ -59,7 +59,7 @@ class Observer:
             position, velocity = self._config.position, self._config.velocity
             turn = rotation_between(self._qpos[:, 3:7], measured.quaternion)
             qpos = self._qpos + position * (measured.qpos - self._qpos)
-            qpos[:, 3:7] = turned(self._qpos[:, 3:7], position * turn)
+            qpos[:, 3:7] = rotate(self._qpos[:, 3:7], position * turn)
             self._qpos = qpos
             self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
         if not self._under_way:  # the contact flags are those that are measured
@@ -94,7 +94,7 @@ def rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return difference[:, 1:] * (np.copysign(scale, difference[:, 0]))[:, None]
 
 
-def turned(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def rotate(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Quaternions (N, 4) turned by rotation vectors (N, 3) [rad] of their own axes."""
     angle = np.linalg.norm(vectors, axis=1, keepdims=True)
     axis = vectors / np.maximum(angle, 1e-12)

@@ -17,7 +17,7 @@ _TEXT = (
     "cost nothing, so its commit may be an older one: same recipe, same result. A recipe is the "
     "digest of a job's configuration, source, package versions and inputs."
 )
-_AS_WRITTEN = {"sort_keys": False, "allow_unicode": True}
+_AS_WRITTEN: dict[str, Any] = {"sort_keys": False, "allow_unicode": True}
 _UNKNOWN = "not\u00a0recorded"
 _STAGES = {  # in the order in which they run; others follow
     "gait": "gaits",

@@ -316,19 +316,38 @@ class Simulation:
         for motor in action["motors"]:
             angle = sum(share * target[joint] for joint, share in motor["joints"].items())
             self.data.actuator(motor["name"]).ctrl[0] = angle
-        joints = list(enumerate(action["joints"]))
-        velocity, rates, torques = self.data.qvel[:3].copy(), self.data.qvel[6:].copy(), []
+        velocity, torques, speeds = self.data.qvel[:3].copy(), [], self.motor_speeds()
         for _ in range(substeps):
+            before = speeds
             mujoco.mj_step(self.model, self.data)
-            torques.append([self.data.actuator(m["name"]).force[0] for m in action["motors"]])
-        # MuJoCo integrates the damping of the motors implicitly: they act with less than they say.
-        change = {joint["name"]: self.data.qvel[6 + i] - rates[i] for i, joint in joints}
-        turned = [sum(s * change[j] for j, s in m["joints"].items()) for m in action["motors"]]
-        damping = np.array([motor["kd"] for motor in action["motors"]])
-        self.torques = np.mean(torques, axis=0) - damping * np.array(turned) / substeps
+            speeds = self.motor_speeds()
+            demanded = [self.data.actuator(m["name"]).force[0] for m in action["motors"]]
+            torques.append(self.acting(np.array(demanded), before, speeds - before))
+        self.torques = np.mean(torques, axis=0)
         gained = self.data.qvel[:3] - velocity
         gained -= self.model.opt.gravity * substeps * self.model.opt.timestep
         self.increment = rotation_of(self.data.qpos[3:7]).T @ gained
+
+    def motor_speeds(self) -> np.ndarray:
+        """By those of the joints [rad/s]."""
+        rates = {joint["name"]: i for i, joint in enumerate(self.layout["action"]["joints"], 6)}
+        motors = [motor["joints"].items() for motor in self.layout["action"]["motors"]]
+        return np.array([sum(s * self.data.qvel[rates[j]] for j, s in own) for own in motors])
+
+    def acting(self, demanded: np.ndarray, speed: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Torques that act while MuJoCo integrates, of those demanded at the start of a step.
+
+        They fall with the speed: by the damping of the loop, at the limit of the voltage by the
+        torque-speed line, at the limit of the torque not at all.
+        """
+        names = ("kd", "torque_limit", "stall_torque", "no_load_speed")
+        motors = self.layout["action"]["motors"]
+        damping, limit, stall, free = (
+            np.array([motor[name] for motor in motors]) for name in names
+        )
+        by_voltage = np.abs(demanded / stall + speed / free) > 1.0 - 1e-9
+        slope = np.where(by_voltage, stall / free, damping)
+        return demanded - np.where(np.abs(demanded) > (1.0 - 1e-9) * limit, 0.0, slope) * change
 
     def measure(self) -> dict[str, np.ndarray]:
         """Inertial unit, encoders, motor torques; MuJoCo turns in axes of the base."""

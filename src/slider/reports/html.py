@@ -37,7 +37,7 @@ def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
 
 def html(markdown: str, files: Mapping[str, Path]) -> str:
     """Markdown below a section's heading; ``files`` are its pictures and films by their names."""
-    parser = MarkdownIt("commonmark").enable("table")
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table")
     parser.add_render_rule("image", _image)
     parser.add_render_rule("table_open", _table)
     parser.add_render_rule("table_close", lambda *_: "</table></div>\n")

@@ -106,8 +106,13 @@ class ModelTree:
         """Refuse springs and constraints of the legs; those of other parts, which are ignored."""
         model, found = self._model, {True: list[str](), False: list[str]()}
         parts: list[tuple[str, str, list[int]]] = []
-        for kind, stiff in (("joint", model.jnt_stiffness), ("tendon", model.tendon_stiffness)):
-            parts += [("spring", kind, [int(index)]) for index in np.flatnonzero(stiff)]
+        bound = model.tendon_limited | (model.tendon_damping != 0) | (model.tendon_frictionloss > 0)
+        for text, kind, acts in (
+            ("spring", "joint", model.jnt_stiffness),
+            ("spring", "tendon", model.tendon_stiffness),
+            ("coupling", "tendon", bound),
+        ):
+            parts += [(text, kind, [int(index)]) for index in np.flatnonzero(acts)]
         for index in np.flatnonzero(model.eq_active0):
             name = mujoco.mjtEq(model.eq_type[index]).name.removeprefix("mjEQ_").lower()
             by_site = model.eq_objtype[index] == mujoco.mjtObj.mjOBJ_SITE
@@ -116,7 +121,7 @@ class ModelTree:
             parts.append((f"{name} constraint", kind, [int(k) for k in both if k >= 0]))
         for text, kind, numbers in parts:
             owners = {self._owners[body] for k in numbers for body in self._bodies(kind, k)}
-            names = " and ".join(getattr(model, kind)(k).name for k in numbers)
+            names = " and ".join(getattr(model, kind)(k).name or f"{kind} {k}" for k in numbers)
             found[len(owners) > 1 and max(owners) >= 0].append(f"{text} of {names}")
         expected = "legs without springs, coupled joints and closed loops"
         require(not found[True], "robot.model", expected, ", ".join(found[True]))

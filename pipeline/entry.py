@@ -154,8 +154,9 @@ class Pipeline:
         """Begin this pipeline run, and to track it, if that is enabled.
 
         On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
-        of the head, and let SIGTERM do as Ctrl-C does: Snakemake alone would wait for running jobs.
+        of the head. SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
         """
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         if workflow.local_exec:
             # The limit of submissions, which no option lifts (9.27): each job that ends would start
             # one more thread per second for it.
@@ -163,7 +164,6 @@ class Pipeline:
         else:
             settings = workflow.config_settings
             settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
-            signal.signal(signal.SIGTERM, signal.default_int_handler)
         self._forget_forced(workflow.dag)
         note_start(self.store.root, self.overrides)
         if self.config.tracking.enabled:
@@ -183,9 +183,17 @@ class Pipeline:
         for job in dag.needrun_jobs():
             recipe = getattr(job.wildcards, "recipe", None)
             if recipe and dag.reason(job).forced:
-                path = self.store.manifest_path(self.plan.jobs[recipe].stage, recipe)
-                if manifest := self.store.present(path):
-                    self.store.index_path(manifest.key).unlink(missing_ok=True)
+                spec = self.plan.jobs[recipe]
+                objects = {
+                    name: [self._object(job) for job in specs]
+                    for name, specs in spec.inputs.items()
+                }
+                self.store.index_path(spec.key(objects)).unlink(missing_ok=True)
+
+    def _object(self, job: JobSpec) -> str:
+        """Digest of a result; empty without one."""
+        manifest = self.store.present(self.store.manifest_path(job.stage, job.recipe))
+        return manifest.result.object if manifest else ""
 
     def finish(self, succeeded: bool) -> None:
         """Wait until MLflow has this pipeline run."""

@@ -36,12 +36,13 @@ _KIND = ("mlflow.experimentKind", "custom_model_development")  # else for langua
 
 @dataclass
 class _Run:
-    """Run of a job: when it began [ms], its id in MLflow, how much of its metrics is there."""
+    """Run of a job: when it began [ms], its id in MLflow, how much of which file is there."""
 
     job: JobSpec
     began: int
     id: str = ""
     read: int = 0
+    inode: int = 0
 
 
 class Tracking:
@@ -73,8 +74,6 @@ class Tracking:
         """A job is about to start."""
         job = self._plan.jobs[recipe]
         if job.tracked:
-            with suppress(OSError):  # of an earlier job
-                self._store.metrics_path(job.stage, recipe).unlink(missing_ok=True)
             self._runs[recipe] = _Run(job, _now())
 
     def ended(self, recipe: str) -> None:
@@ -127,11 +126,11 @@ class Tracking:
         self, held: ExitStack, name: str, params: Mapping, tags: Mapping, began: int
     ) -> None:
         """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
-        self._client = _connect(self._store)
-        self._experiments = {
-            name: _experiment(self._client, name) for name in (self._experiment, self._gaits)
-        }
         with exclusive(self._store.locks, "tracking"):
+            self._client = _connect(self._store)
+            self._experiments = {
+                name: _experiment(self._client, name) for name in (self._experiment, self._gaits)
+            }
             _close_killed(self._client, self._store)
             self._id = self._create(self._experiment, name, began, tags, params)
             held.enter_context(exclusive(self._store.locks, self._id))
@@ -169,18 +168,22 @@ class Tracking:
         content = b""
         if path.is_file():
             with path.open("rb") as file:
+                if (inode := os.fstat(file.fileno()).st_ino) != run.inode:  # of another attempt
+                    run.inode, run.read = inode, 0
                 file.seek(run.read)
                 content = file.read()
         lines = content[: content.rfind(b"\n") + 1]  # whole ones
         run.read += len(lines)
         if lines:
             events = [json.loads(line) for line in lines.splitlines()]
-            metrics = [one for event in events for one in _metrics(**event)]
-            self._client.log_batch(self._open(run), metrics)
+            own = [event for event in events if event["time"] >= run.began]
+            if metrics := [one for event in own for one in _metrics(**event)]:
+                self._client.log_batch(self._open(run), metrics)
 
     def _end(self, run: _Run, status: str, now: int) -> None:
         facts = self._store.facts(run.job.stage, run.job.recipe)
-        if status == FINISHED and computed_seconds(facts, run.began / 1e3) is None:
+        reused = computed_seconds(facts, run.began / 1e3) is None
+        if status == FINISHED and reused and not run.id:
             return
         self._open(run)
         self._try(lambda: self._log_new_metrics(run))

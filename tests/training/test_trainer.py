@@ -1,10 +1,12 @@
 """Training survives being killed, repeats itself and keeps the best policy."""
 
+import errno
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 import torch
@@ -17,7 +19,14 @@ from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score
-from slider.training.trainer import BEFORE, CHECKPOINT, WEIGHTS, Trainer, read_checkpoint
+from slider.training.trainer import (
+    BEFORE,
+    CHECKPOINT,
+    WEIGHTS,
+    Trainer,
+    read_checkpoint,
+    write_checkpoint,
+)
 from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
@@ -155,6 +164,19 @@ def test_a_killed_training_gives_the_bytes_of_an_undisturbed_one(tmp_path, monke
     last.trainer.run()
     assert last.iterations == [4]
     assert files(last.trainer) == files(whole)
+
+
+def test_a_checkpoint_that_cannot_be_read_stays(tmp_path, monkeypatch):
+    """One failed reading says nothing about the file."""
+    write_checkpoint({"iteration": 50}, tmp_path)
+    with monkeypatch.context() as patch:
+        failing = Mock(side_effect=OSError(errno.EIO, "Input/output error"))
+        patch.setattr(Path, "read_bytes", failing)
+            Path, "read_bytes", Mock(side_effect=OSError(errno.EIO, "Input/output error"))
+        )
+        with pytest.raises(UserError, match=r"checkpoint\.pt, found: Input/output error"):
+            read_checkpoint(tmp_path, print)
+    assert read_checkpoint(tmp_path, print)["iteration"] == 50
 
 
 @pytest.mark.parametrize(

@@ -142,4 +142,4 @@ def _last_run(artefacts: Path) -> dict[str, str]:
     if not (path := artefacts / _START).is_file():
         return {}
     started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
-    return {"pipeline_started": started, "overrides": overrides.strip()}
+    return ({"pipeline_started": started} if started else {}) | {"overrides": overrides.strip()}

@@ -52,7 +52,8 @@ def library_path(folders: str) -> str:
 
 def main() -> None:
     """Run a command of ``slider`` in the environment of a job."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the only one that Python itself catches
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where it is ignored
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # the only one that Python itself catches
     variables = job_environment(os.environ, _HOME.absolute())
     os.environ.clear()
     os.environ.update(variables)

@@ -9,9 +9,9 @@ starts. What a killed search has measured is kept: the next one draws the same t
 """
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import optuna
@@ -22,6 +22,7 @@ from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig
 from slider.config.robot import RobotConfig
 from slider.core import files
+from slider.core.errors import not_read
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking
@@ -69,18 +70,33 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _kept(path: Path, measure: _Measure) -> _Measure:
     """The same function, whose results a file keeps for the search after a kill."""
-    kept = dict[str, tuple[dict[str, float], float]]()
-    with suppress(OSError, ValueError):  # none yet, or damaged
-        kept |= files.read_json(path)
+    kept = _read_kept(path)
 
     def measured(config: EvaluationConfig, settings: Mapping[str, float]):
         key = files.digest_value([config.robots, config.seed, settings])
         if key not in kept:
             kept[key] = measure(config, settings)
-            files.write_json(path, kept)
+            files.write_json(path, {"kept": kept, "digest": files.digest_value(kept)})
         return kept[key]
 
     return measured
+
+
+def _read_kept(path: Path) -> dict[str, Any]:
+    """What was measured before a kill; empty where nothing was, or the file is damaged.
+
+    Raises:
+        NotReadError: the file cannot be read, which says nothing about it.
+    """
+    try:
+        content = files.read_json(path)
+        return content["kept"] if content["digest"] == files.digest_value(content["kept"]) else {}
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise not_read(error, path) from None
+    except (KeyError, TypeError, ValueError):
+        return {}
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:

@@ -22,6 +22,7 @@ from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
 from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
+from slider.core.errors import not_read
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
 from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
@@ -100,7 +101,9 @@ class Trainer:
             self._blow_ups += int(self.env.diverged)
             self.env.physics.check()
             score = self._check()
-            self._begin(self._save_checkpoint())
+            content = self._save_checkpoint()
+            if self._iteration < total:
+                self._begin(content)
             gc.collect()  # robots of the last chunk, which refer to each other
             pace = (time.monotonic() - started) / (self._iteration - done_before)
             self._report(score, pace)
@@ -235,11 +238,15 @@ def read_checkpoint(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _content(path: Path) -> dict[str, Any] | None:
-    """Content of a file; none where it is damaged."""
+    """Content of a file; none where it is damaged.
+
+    Raises:
+        NotReadError: it cannot be read, which says nothing about it.
+    """
     try:
         digest, _, data = path.read_bytes().partition(b"\n")
-    except OSError:  # such as a failing disk
-        return None
+    except OSError as error:
+        raise not_read(error, path) from None
     if digest != _digest(data):
         return None
     return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)

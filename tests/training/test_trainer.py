@@ -172,8 +172,6 @@ def test_a_checkpoint_that_cannot_be_read_stays(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         failing = Mock(side_effect=OSError(errno.EIO, "Input/output error"))
         patch.setattr(Path, "read_bytes", failing)
-            Path, "read_bytes", Mock(side_effect=OSError(errno.EIO, "Input/output error"))
-        )
         with pytest.raises(UserError, match=r"checkpoint\.pt, found: Input/output error"):
             read_checkpoint(tmp_path, print)
     assert read_checkpoint(tmp_path, print)["iteration"] == 50

@@ -45,7 +45,9 @@ _CAPTION = (
     "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
     "rate. Errors are those of robots that survive."
 )
-_LITERAL = " The target `reports/baselines.csv` has the MPC with the settings of the lab's public code."
+_LITERAL = (
+    " The target `reports/baselines.csv` has the MPC with the settings of the lab's public code."
+)
 _PAPERS = (
     " The paper states one MSE and not whether the start counts: it stands beside both of ours."
 )

@@ -81,7 +81,7 @@ def test_a_pipeline_whose_job_a_signal_ends_fails_in_one_line_and_goes_on(worksp
         assert [*workspace.folder.glob(".snakemake/locks/*")] == []
     (workspace.folder / WAIT).unlink()
     assert workspace.computed(LONGER) == AFTER_STANDING
-    assert [*(workspace.artefacts / "tmp").iterdir()] == []
+    assert [*(workspace.artefacts / "objects" / "tmp").iterdir()] == []
     assert workspace.computed(LONGER, f"{TABLE} -R walking") == ["walking"]
 
 

@@ -3,6 +3,7 @@
 import copy
 import os
 import shutil
+import signal
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -45,6 +46,9 @@ composing.compose_untyped = _compose_once
 
 
 def pytest_configure() -> None:
+    # Not ignored, as below nohup: pipelines that tests start inherit it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     if "PYTEST_XDIST_WORKER" not in os.environ:
         os.environ[shared.FOLDER] = tempfile.mkdtemp(prefix="slider-tests-")
 

@@ -64,7 +64,7 @@ def filled(place: Place, full: Store) -> Place:
 
 def contents(store: Store) -> dict[str, Any]:
     """Objects, manifests and index of a store, without what a killed process left."""
-    names = ("objects/*/*/**/*", "gait/*", "library/*", "table1/*", "index/*/*")
+    names = ("objects/??/*/**/*", "gait/*", "library/*", "table1/*", "index/*/*")
     paths = [path for name in names for path in store.root.glob(name) if path.is_file()]
     found = {path.relative_to(store.root).as_posix(): path.read_bytes() for path in paths}
     ends = (".part", ".run.json")

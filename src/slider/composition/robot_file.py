@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf
@@ -24,7 +24,9 @@ from slider.config.parameters import tag
 from slider.core.confined import confined
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
-from slider.robot.model_file import ModelFile, read_model
+
+if TYPE_CHECKING:  # planning has no need of MuJoCo, but for robots with a model file
+    from slider.robot.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
@@ -76,7 +78,7 @@ def without_absent(robot: Any) -> None:
             robot[name] = kept
 
 
-def read_option(option: str) -> tuple[ModelFile | None, set[str] | None]:
+def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
     """What the model file of the robot's file gives, if it names one, and the keys of both.
 
     Keys are dotted. An option of ``conf/robot`` gives neither: (None, None).
@@ -104,10 +106,14 @@ def _path(text: str) -> Path | None:
     return path / "robot.yaml" if path.is_dir() else path
 
 
-def _read(path: Path) -> tuple[dict[str, Any], ModelFile | None]:
+def _read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
     """Values of a robot's file, and what its model file gives."""
     found = confined("slider.composition.robot_file:read", path.absolute())
-    return found["values"], ModelFile(**found["model"]) if found["model"] else None
+    if not found["model"]:
+        return found["values"], None
+    from slider.robot.model_file import ModelFile
+
+    return found["values"], ModelFile(**found["model"])
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -133,6 +139,8 @@ def read(path: Path) -> dict[str, Any]:
         return {"values": node, "model": None}
     if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
+    from slider.robot.model_file import read_model
+
     return {"values": node, "model": asdict(read_model(path.parent / file, roles))}
 
 

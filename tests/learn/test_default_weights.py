@@ -25,6 +25,7 @@ FAULTS = {
     "action_rate": {"action": 1.0},
     "roll_pitch_rate": {"angular_velocity": [[4.0, -4.0, 0.0]]},
     "foot_slip": {"foot_velocities": [[[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]]},
+    "soft_landing": {"foot_velocities": [[[0.0, 0.0, 0.0], [0.0, 0.0, -1.5]]]},
     "airborne": {"foot_forces": 0.0, "phase": 0.0},  # as the feet change, where both may be down
     "feet_close": {"foot_positions": [[[0.0, 0.02, 0.0], [0.0, -0.02, 0.0]]]},
     "effort": {"motor_torques": TORQUE_LIMITS},

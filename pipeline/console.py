@@ -139,26 +139,26 @@ def _keep_reasons() -> None:
     GroupJob.log_error = log_error
 
 
-def _explain(event: LogEvent | None, facts: dict[str, Any], remote: bool) -> None:
+def _explain(event: LogEvent | None, record: dict[str, Any], remote: bool) -> None:
     """Show logs and reasons of failed jobs, which Snakemake does not."""
     if event == LogEvent.GROUP_ERROR:
-        _show_failure(facts, facts["job_error_info"], facts["aux_logs"])
-    if event == LogEvent.JOB_ERROR and remote and not facts["indent"]:  # else of a group
-        own, others = facts["log"][:1], facts["log"][1:]
-        _show_failure(facts, [facts | {"log": own}], others)
+        _show_failure(record, record["job_error_info"], record["aux_logs"])
+    if event == LogEvent.JOB_ERROR and remote and not record["indent"]:  # else of a group
+        own, others = record["log"][:1], record["log"][1:]
+        _show_failure(record, [record | {"log": own}], others)
     elif event == LogEvent.JOB_ERROR and not remote:
-        for log in map(Path, facts["log"]):
+        for log in map(Path, record["log"]):
             _show_log(log, unless=_SPOKE)  # a killed job: Snakemake keeps quiet about it
 
 
 def _show_failure(
-    facts: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
+    record: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
 ) -> None:
     """Show the cluster's reason and the ends of the logs of the jobs that failed.
 
     Where none of them wrote a log, the cluster's own log is shown.
     """
-    reason = _REASON_ENDS.split(facts.get("rule_msg") or "")[0].strip()
+    reason = _REASON_ENDS.split(record.get("rule_msg") or "")[0].strip()
     if reason:
         print(f"slider: {reason}", file=sys.stderr)
     failed = [job for job in jobs if not all(Path(name).exists() for name in job["output"])]

@@ -21,8 +21,8 @@ from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
-from slider.artefacts.sharing import pull
 from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.transfer import pull
 from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
@@ -275,14 +275,14 @@ def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
         _print(line)
     if remote := config.store.remote:
         try:
-            account = pull(store, plan.jobs, Remote(remote))
+            report = pull(store, plan.jobs, Remote(remote))
         except UserError as error:
             _print(f"{error}; what is missing is computed here")
         else:
-            for line in account.damage:
+            for line in report.damage:
                 _print(line)
-            if "taken" in account.counts:
-                _print(f"from {remote}: {account}")
+            if "taken" in report.counts:
+                _print(f"from {remote}: {report}")
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from slider.artefacts.forecast import expected, remembered
+from slider.artefacts.forecast import expected, latest_rates
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
@@ -36,7 +36,7 @@ class Progress:
     ) -> None:
         needed = set(recipes)
         self._jobs = {recipe: job for recipe, job in plan.jobs.items() if recipe in needed}
-        rates = remembered(store, sorted({job.stage for job in self._jobs.values()}))
+        rates = latest_rates(store, sorted({job.stage for job in self._jobs.values()}))
         self._seconds = {recipe: expected(job, rates) for recipe, job in self._jobs.items()}
         self._running: dict[str, float] = {}  # recipe → when it began [s]
         self._ended: dict[str, float] = {}
@@ -83,8 +83,8 @@ class Progress:
     def _took(self, job: JobSpec) -> float | None:
         """Seconds of a computation of this run [s]; none where an earlier result was reused."""
         began = self._running.get(job.recipe, self._start)
-        facts = self._store.facts(job.stage, job.recipe)
-        return computed_seconds(facts, began)
+        metadata = self._store.metadata(job.stage, job.recipe)
+        return computed_seconds(metadata, began)
 
     def _line(self, text: str) -> None:
         """Write the jobs done, the share of the work, the time left, and a text."""

@@ -96,7 +96,7 @@ def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path
     manifest = readable(store.manifest_path(plan.jobs[recipe].stage, recipe))
     table = manifest.result.files if manifest else {}
     digests = {report.name: files.digest_file(report) for report in reports if report.is_file()}
-    own = {name: facts.sha256 for name, facts in table.items()}
+    own = {name: entry.sha256 for name, entry in table.items()}
     others = [digest for name, digest in digests.items() if digest != own.get(name)]
     expected = [recipe, *others]
     if words != expected and (others or words[:1] != [recipe]):

@@ -100,7 +100,7 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     assert library.data.tags.items() >= tags.items()
     history = client.get_metric_history(library.info.run_id, "reward")
     assert [(one.step, one.value) for one in history] == [(k, k / 2) for k in range(1501)]
-    numbers = {"n": 1.5, "volatile/wall_s": 2.5, "volatile/solve_cpu": 0.5}
+    numbers = {"n": 1.5, "run/wall_s": 2.5, "run/solve_cpu": 0.5}
     assert library.data.metrics.items() >= numbers.items()
     names = {item.path for item in client.list_artifacts(library.info.run_id)}
     assert names == {"gaits.json", "table.csv"}

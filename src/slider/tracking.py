@@ -181,24 +181,24 @@ class Tracking:
                 self._client.log_batch(self._open(run), metrics)
 
     def _end(self, run: _Run, status: str, now: int) -> None:
-        facts = self._store.facts(run.job.stage, run.job.recipe)
-        reused = computed_seconds(facts, run.began / 1e3) is None
+        metadata = self._store.metadata(run.job.stage, run.job.recipe)
+        reused = computed_seconds(metadata, run.began / 1e3) is None
         if status == FINISHED and reused and not run.id:
             return
         self._open(run)
         self._try(lambda: self._log_new_metrics(run))
         if status == FINISHED:
-            self._try(lambda: self._log_result(run, facts, now))
+            self._try(lambda: self._log_result(run, metadata, now))
         self._client.set_terminated(run.id, status, end_time=now)
 
-    def _log_result(self, run: _Run, facts: Mapping[str, Any], now: int) -> None:
+    def _log_result(self, run: _Run, metadata: Mapping[str, Any], now: int) -> None:
         """Write what a job led to: its numbers, files, those of its gaits, and a description."""
         from mlflow.entities import RunTag
 
         job, store, client = run.job, self._store, self._client
         result = store.read_manifest(job.stage, job.recipe).result
-        summary, volatile = _numbers(result.summary), _numbers(facts)
-        noted = summary | {f"volatile/{name}": value for name, value in volatile.items()}
+        summary, run_numbers = _numbers(result.summary), _numbers(metadata)
+        noted = summary | {f"run/{name}": value for name, value in run_numbers.items()}
         folder = store.object_folder(result.object)
         path = folder.relative_to(store.root).as_posix()
         names = sorted({name.partition("/")[0] for name in result.files})
@@ -266,14 +266,16 @@ def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
     """Summaries of jobs and numbers of their computations, a column each."""
     rows = [
         store.read_manifest(job.stage, job.recipe).result.summary
-        | _numbers(store.facts(job.stage, job.recipe))
+        | _numbers(store.metadata(job.stage, job.recipe))
         for job in jobs
     ]
     return {name: plain([row.get(name) for row in rows]) for name in rows[0]}
 
 
-def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
-    return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
+def _numbers(metadata: Mapping[str, Any]) -> dict[str, float]:
+    return {
+        name: float(value) for name, value in metadata.items() if isinstance(value, int | float)
+    }
 
 
 def _now() -> int:

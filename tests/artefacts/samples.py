@@ -1,11 +1,13 @@
 """Results as a run would leave them, without running anything."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, build_plan
 from slider.artefacts.recipe import Code
+from slider.artefacts.remote import Remote
 from slider.artefacts.store import Store
 from slider.core import files
 
@@ -14,6 +16,7 @@ GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number 
 LIBRARY = JobSpec("library", "library", CODE, {}, {"gaits": GAITS})
 TABLE = JobSpec("table1", "table", CODE, {}, {"library": [LIBRARY]})
 PLAN: Plan = build_plan({"library": LIBRARY, "table1": TABLE})
+JOBS = dict(PLAN.jobs)
 DATA = "deep/data.txt"
 
 
@@ -22,7 +25,7 @@ def compute(
     job: JobSpec,
     text: str = "",
     summary: dict[str, Any] | None = None,
-    facts: dict[str, Any] | None = None,
+    metadata: dict[str, Any] | None = None,
     **texts: str,
 ) -> Manifest:
     """What a run of the job would leave: its label and a text, and CSV files of some texts."""
@@ -38,8 +41,8 @@ def compute(
         for name, jobs in job.inputs.items()
     }
     manifest = Manifest(job.stage, job.recipe, job.input_recipes, result, objects)
-    store.remember(job.key(objects), manifest)
-    files.write_json(store.sidecar_path(job.stage, job.recipe), facts or {"wall_s": 2.5})
+    store.put_index(job.key(objects), manifest)
+    files.write_json(store.metadata_path(job.stage, job.recipe), metadata or {"wall_s": 2.5})
     store.write_manifest(manifest)
     return manifest
 
@@ -59,13 +62,38 @@ def data(store: Store, manifest: Manifest) -> Path:
 def forge(path: Path, signed: bool = True, **entries: object) -> None:
     """Change entries of a manifest and, so that it fits them, its digest."""
     values = files.read_json(path) | entries
-    facts = {"facts": values.pop("facts")} if "facts" in values else {}
+    metadata = {name: values.pop(name) for name in ("run_metadata",) if name in values}
     digest = values.pop("digest")
     values["digest"] = files.digest_value(values) if signed else digest
-    path.write_text(files.canonical(values | facts))
+    path.write_text(files.canonical(values | metadata))
 
 
 def damage(path: Path) -> None:
     """Change the content of a file, but not its size."""
     path.chmod(0o644)
     path.write_text("B" * len(path.read_text()))
+
+
+@dataclass(frozen=True)
+class Place:
+    """One remote with its files on this machine."""
+
+    remote: Remote
+    folder: Path
+
+    def file(self, store: Store, job: JobSpec) -> Path:
+        """The file of a result that no other has."""
+        path = data(store, store.read_manifest(job.stage, job.recipe))
+        return self.folder / "files" / files.digest_file(path)
+
+    def result(self, job: JobSpec) -> Path:
+        return self.folder / "results" / f"{job.recipe}.json"
+
+
+def contents(store: Store) -> dict[str, Any]:
+    """Objects, manifests and index of a store, without what a killed process left."""
+    names = ("objects/??/*/**/*", "gait/*", "library/*", "table1/*", "index/*/*")
+    paths = [path for name in names for path in store.root.glob(name) if path.is_file()]
+    found = {path.relative_to(store.root).as_posix(): path.read_bytes() for path in paths}
+    ends = (".part", ".run.json")
+    return {name: content for name, content in found.items() if not name.endswith(ends)}

@@ -54,7 +54,7 @@ def test_verify_repairs(one, place, content, capsys):
     assert verify(one) == Removed([], [])
     write_plan(ONE, one.root / "plans")
     assert current_plan(one) == ONE
-    assert compute(one, GAIT) == one.indexed(GAIT.key({}))
+    assert compute(one, GAIT) == one.find(GAIT.key({}))
 
 
 WRONG = [
@@ -66,9 +66,9 @@ WRONG = [
 
 @pytest.mark.parametrize("values", WRONG)
 def test_verify_drops_run_metadata_that_would_mislead_its_readers(one, values):
-    path = one.sidecar_path("gait", GAIT.recipe)
+    path = one.metadata_path("gait", GAIT.recipe)
     path.write_text(files.canonical(values))
-    assert one.facts("gait", GAIT.recipe) == {}
+    assert one.metadata("gait", GAIT.recipe) == {}
     assert verify(one) == Removed([], [], unreadable=[f"gait/{path.name}"])
     assert verify(one) == Removed([], [])
 
@@ -118,7 +118,7 @@ def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
     assert drop_damaged(full, manifests, dry_run=True) == [f"found {line}"]
     assert all(path.is_file() for path in manifests)
     assert drop_damaged(full, manifests) == [f"dropped {line}"]
-    assert full.indexed(GAIT.key({})) is None
+    assert full.find(GAIT.key({})) is None
     assert [path for path in manifests if not path.is_file()] == paths(full, GAIT)
     assert drop_damaged(full, manifests) == []
 
@@ -141,7 +141,7 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     assert not store.object_folder(lost).exists()
     assert store.is_whole(kept)
     assert store.manifests() == paths(store, new)
-    assert store.indexed(old.key({})) is None
+    assert store.find(old.key({})) is None
     with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):
         collect(store, keep=0)
     path.write_bytes(b"\xff")

@@ -46,11 +46,11 @@ def test_tells_the_commit_and_whether_files_differ(repository):
 
 
 def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
-    assert run_metadata.run_metadata(tmp_path) == {}
+    assert run_metadata.pipeline_metadata(tmp_path) == {}
     run_metadata.note_start(tmp_path, ["gait.cost=torque", "env=paper"])
-    assert run_metadata.run_metadata(tmp_path)["pipeline_started"].endswith("+00:00")
+    assert run_metadata.pipeline_metadata(tmp_path)["pipeline_started"].endswith("+00:00")
     blanks = ["a.label=two words", "b.terms=[x,y]", "c='"]
     run_metadata.note_start(tmp_path, blanks)
-    assert shlex.split(run_metadata.run_metadata(tmp_path)["overrides"]) == blanks
+    assert shlex.split(run_metadata.pipeline_metadata(tmp_path)["overrides"]) == blanks
     (tmp_path / "current" / "started").write_bytes(b"\xff\n")
-    assert run_metadata.run_metadata(tmp_path)["overrides"] == ""
+    assert run_metadata.pipeline_metadata(tmp_path)["overrides"] == ""

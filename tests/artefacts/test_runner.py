@@ -23,13 +23,13 @@ from pathlib import Path
 def first(section, inputs, out, job):
     assert not list(Path().iterdir()), "no option file of a library lies here"
     (out / "value.txt").write_text(str(section["value"] // 10))
-    job.volatile["solve_s"] = 0.5
+    job.metadata["solve_s"] = 0.5
     return {"value": section["value"], "inf": float("inf")}
 
 
 def second(section, inputs, out, job):
     text = [(folder / "value.txt").read_text() for folder in inputs["values"]]
-    (out / "sum.txt").write_text(",".join(text) + str(job.input_volatile["values"][0]["solve_s"]))
+    (out / "sum.txt").write_text(",".join(text) + str(job.input_metadata["values"][0]["solve_s"]))
     return {}
 
 
@@ -62,8 +62,8 @@ def job(package, function: str, section, inputs=None) -> JobSpec:
     return JobSpec(function, function, code, section, inputs or {})
 
 
-def facts(store: Store, spec: JobSpec):
-    return store.facts(spec.stage, spec.recipe)
+def metadata(store: Store, spec: JobSpec):
+    return store.metadata(spec.stage, spec.recipe)
 
 
 def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
@@ -79,8 +79,8 @@ def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
     assert manifests[1].inputs == {"values": [jobs[1].recipe]}
     (digest,) = {store.read_manifest("first", item.recipe).result.object for item in jobs}
     assert manifests[0].input_objects == manifests[1].input_objects == {"values": [digest]}
-    assert facts(store, ends[1])["computed"] is False
-    assert facts(store, ends[1])["reused_from"] == ends[0].recipe
+    assert metadata(store, ends[1])["computed"] is False
+    assert metadata(store, ends[1])["reused_from"] == ends[0].recipe
 
 
 def test_a_job_refuses_kernels_that_are_not_its_recipes(package, store):
@@ -96,11 +96,11 @@ def test_lost_manifest_is_written_again_without_computing(package, store):
     spec = job(package, "first", {"value": 10})
     Runner(store).run(spec)
     path = store.manifest_path("first", spec.recipe)
-    text, before = path.read_text(), facts(store, spec)
+    text, before = path.read_text(), metadata(store, spec)
     path.unlink()
     assert Runner(store).run(spec) == "reused"
     assert path.read_text() == text
-    assert facts(store, spec) == before
+    assert metadata(store, spec) == before
     assert '"inf": "inf"' in text
 
 
@@ -130,11 +130,11 @@ def test_a_broken_index_entry_or_fact_is_computed_again(package, store):
     spec = job(package, "first", {"value": 10})
     Runner(store).run(spec)
     (entry,) = store.index()
-    for path in (entry, store.sidecar_path("first", spec.recipe)):
+    for path in (entry, store.metadata_path("first", spec.recipe)):
         path.write_text("[]")
     assert Runner(store).run(spec) != "reused"
-    assert facts(store, spec)["computed"] is True
-    store.sidecar_path("first", spec.recipe).write_text("{")
+    assert metadata(store, spec)["computed"] is True
+    store.metadata_path("first", spec.recipe).write_text("{")
     following = job(package, "second", {}, {"values": [spec]})
     with pytest.raises(KeyError, match=r"^'solve_s'$"):  # of the stage: it receives none
         Runner(store).run(following)

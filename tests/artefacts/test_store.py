@@ -29,7 +29,7 @@ def test_same_content_is_one_read_only_object_whoever_computed_it(store):
     assert data(store, first).stat().st_mode & 0o222 == 0
 
 
-def test_manifest_round_trip_holds_nothing_volatile(store, manifest):
+def test_manifest_round_trip_holds_no_run_metadata(store, manifest):
     path = store.manifest_path("gait", manifest.recipe)
     assert parse_manifest(path) == manifest
     names = {"schema", "stage", "recipe", "inputs", "result", "input_objects", "key", "digest"}
@@ -57,7 +57,7 @@ def test_what_is_no_manifest_is_one_line_and_counts_as_absent(store, manifest, n
             forge(broken, signed, **change)
     with pytest.raises(UserError, match="expected a manifest, found something else in"):
         parse_manifest(path)
-    assert store.indexed(entry.stem) is None
+    assert store.find(entry.stem) is None
     assert summarise(store) == {}
     assert len(verify(store).unreadable) == 2
     assert verify(store) == Removed([], [])
@@ -68,9 +68,9 @@ def test_entries_under_the_name_of_another_are_dropped(store):
     compute(store, GAITS[1])
     for first, second in (store.manifests(), store.index()):
         first.replace(second)
-    assert store.indexed(second.stem) is None
+    assert store.find(second.stem) is None
     (path,) = store.manifests()
-    assert store.whole("gait", path.stem) is None
+    assert store.verify("gait", path.stem) is None
     with pytest.raises(UserError, match="expected a manifest, found that of another job in"):
         parse_manifest(path)
     assert len(verify(store).unreadable) == 2
@@ -79,9 +79,9 @@ def test_entries_under_the_name_of_another_are_dropped(store):
 
 def test_a_manifest_whose_object_is_gone_is_dropped_and_forgotten(store, manifest):
     path, (entry,) = store.manifest_path("gait", manifest.recipe), store.index()
-    assert store.indexed(entry.stem) == manifest
+    assert store.find(entry.stem) == manifest
     store.drop_object(manifest.result.object)
-    assert store.indexed(entry.stem) is None
+    assert store.find(entry.stem) is None
     assert verify(store) == Removed([], [f"gait/{path.name}"])
     assert not path.exists()
 

@@ -103,7 +103,7 @@ def test_solve_times_come_from_beside_the_gaits(job, library, refused, capsys):
     publish(job, library)
     assert "expected solve times" in refused("library", "times")
     for index, gait in enumerate(job.inputs["gaits"][:2]):
-        files.write_json(STORE.sidecar_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
+        files.write_json(STORE.metadata_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
     assert main(["library", "times"]) == 0
     assert "solve_times.svg is ready" in capsys.readouterr().out
     text = Path("reports/figures/solve_times.md").read_text()

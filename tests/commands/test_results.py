@@ -33,7 +33,7 @@ REPORT = """\
 |---|---|
 | 3.0 | 2.9 |
 """
-FACTS = {
+METADATA = {
     "commit": "0123456789abcdef",
     "dirty": "false",
     "ended": "2026-11-23T08:00:00.000+00:00",
@@ -53,7 +53,7 @@ def workspace(tmp_path, monkeypatch) -> Path:
     Path("reports/table1.csv").write_text(TABLE)
     Path("reports/sweep.md").write_text(REPORT)
     job = JobSpec("table1", "table 1", Code("", "", {}), {})
-    compute(Store(Path("artefacts")), job, facts=FACTS, table1=TABLE)
+    compute(Store(Path("artefacts")), job, metadata=METADATA, table1=TABLE)
     return tmp_path
 
 

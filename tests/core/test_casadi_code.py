@@ -33,8 +33,8 @@ def never() -> Functions:
 def compiled(
     folder: Path, waiting: int = MIN_PENDING_JOBS, run: str = "a run", **changes: Any
 ) -> Compiled:
-    volatile = {"pipeline_started": run}
-    job = Job(folder, volatile=volatile, cache=folder / "cache", waiting=waiting, **changes)
+    metadata = {"pipeline_started": run}
+    job = Job(folder, metadata=metadata, cache=folder / "cache", waiting=waiting, **changes)
     return Compiled(job, "tests", MIN_PENDING_JOBS)
 
 

@@ -89,7 +89,7 @@ def test_the_gait_converges_and_times_stay_outside(gait):
     assert summary["max_violation"] <= 1e-6
     names = {"impact", "torso", "equal_step_lengths", "motor_voltage", "friction"}
     assert names | {"touchdown_velocity"} <= report["residuals"].keys()
-    assert job.volatile["solve_cpu"] > 0
+    assert job.metadata["solve_cpu"] > 0
     assert not any("cpu" in key or "wall" in key for key in [*summary, *report])
 
 

@@ -78,5 +78,5 @@ def test_the_stage_solves_from_the_random_start_alone(tmp_path):
     assert [attempt["name"] for attempt in report["attempts"]] == [GIVEN]
     assert summary["converged"]
     assert summary["cost"] == pytest.approx(solved(0.4, 0.0).cost, rel=1e-4)
-    assert job.volatile["solve_cpu"] > 0
+    assert job.metadata["solve_cpu"] > 0
     assert [path.name for path in tmp_path.iterdir()] == [REPORT]

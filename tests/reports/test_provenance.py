@@ -14,7 +14,7 @@ def origin(stage: str, recipe: str) -> dict:
     return about | {"source": "s" * 12, "versions": {"numpy": "2.0"}}
 
 
-def facts(started: str, commit: str, dirty: str = "false", **others) -> dict:
+def metadata(started: str, commit: str, dirty: str = "false", **others) -> dict:
     base = {"computed": True, "pipeline_started": started, "commit": commit * 10, "dirty": dirty}
     return base | {"wall_s": 2.0, "cpu_s": 1.0, "ended": started, "machine": "one"} | others
 
@@ -24,7 +24,7 @@ def section(origins, times):
     folders = {name: [Path(f"/{i}") for i in range(len(jobs))] for name, jobs in origins.items()}
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
-    job = Job(Path(), volatile=page, input_volatile=times)
+    job = Job(Path(), metadata=page, input_metadata=times)
     given = {"configuration": configuration, "origins": origins}
     found = list(provenance(given, folders, Path(), job, {}))
     head, *rows = tables(found[1:2])[""]
@@ -38,8 +38,8 @@ def test_counts_what_this_pipeline_run_computed():
         "library": [origin("library", "c")],
         "another": [origin("library", "c")],  # a result that two sections use
     }
-    times = {name: [facts(OLD, "3333", dirty="true")] for name in origins}
-    times["table1.evaluations"] = [facts(NEW, "1111"), facts(NEW, "2222", computed=False)]
+    times = {name: [metadata(OLD, "3333", dirty="true")] for name in origins}
+    times["table1.evaluations"] = [metadata(NEW, "1111"), metadata(NEW, "2222", computed=False)]
     rows, text = section(origins, times)
     assert "commit `beefbeef+`" in text
     assert [row[:3] for row in rows] == [
@@ -53,7 +53,7 @@ def test_counts_what_this_pipeline_run_computed():
 
 def test_results_from_before_this_was_recorded_say_so():
     origins = {"library": [origin("library", "c"), origin("library", "d")]}
-    times = {"library": [{}, facts(OLD, "3333", machine="two")]}
+    times = {"library": [{}, metadata(OLD, "3333", machine="two")]}
     rows, text = section(origins, times)
     assert rows[0][-1] == "33333333, not\u00a0recorded"
     assert "Machines: not\u00a0recorded (gait library); two (gait library)." in text

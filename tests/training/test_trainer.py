@@ -263,7 +263,7 @@ def test_blow_ups_are_reported_outside_the_result(tmp_path):
     trainer = Trainer(task(iterations=1), made)
     trainer.env.physics.qvel[3, 6:] = 1e9
     trainer.run()
-    assert made.volatile["blow_ups"] == 1
+    assert made.metadata["blow_ups"] == 1
 
 
 def test_an_error_of_the_simulation_ends_the_training_before_its_checkpoint(tmp_path):

@@ -58,7 +58,7 @@ def test_a_policy_of_warp_survives_a_kill_and_is_evaluated_as_any_other(tmp_path
     with pytest.raises(KeyboardInterrupt):
         train(tmp_path / "killed", inputs)
     out, job, facts = train(tmp_path / "killed", inputs)
-    assert job.volatile["blow_ups"] == 0
+    assert job.metadata["blow_ups"] == 0
     assert sorted(path.name for path in out.iterdir()) == sorted(p.name for p in whole.iterdir())
     for path in whole.iterdir():
         assert (out / path.name).read_bytes() == path.read_bytes(), path.name

@@ -40,7 +40,7 @@ BODIES = {
     "walking": """
     import time
     checkpoint = job.work / "checkpoint.txt"
-    job.volatile["resumed"] = checkpoint.is_file()
+    job.metadata["resumed"] = checkpoint.is_file()
     checkpoint.write_text("half way")
     (out / "half.txt").write_text("half")
     while (job.work.parents[3] / "wait").exists():

@@ -20,7 +20,7 @@ START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""
 TABLE = "times.csv"
 _UNKNOWN = 5.0  # seconds of a job of an unknown kind
-_LATEST = 64  # remembered jobs of a stage
+_LATEST = 64  # jobs of a stage
 _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _GAUGE = tuple(f"protocol.{name}" for name in ("trials", "speeds", "robots", "duration"))
@@ -64,15 +64,15 @@ def computed(
         paths = store.root.glob(f"{stage}/*.run.json")
         for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:latest]:
             with suppress(UserError, KeyError):
-                facts = parse_metadata(path)
-                if facts["computed"] and facts["size"]:
-                    spent = facts["cpu_s"]
-                    rate = min(facts["wall_s"], spent) / facts["size"]
-                    jobs.setdefault(facts["kind"], []).append((spent, rate))
+                metadata = parse_metadata(path)
+                if metadata["computed"] and metadata["size"]:
+                    spent = metadata["cpu_s"]
+                    rate = min(metadata["wall_s"], spent) / metadata["size"]
+                    jobs.setdefault(metadata["kind"], []).append((spent, rate))
     return jobs
 
 
-def remembered(store: Store, stages: Iterable[str]) -> Rates:
+def latest_rates(store: Store, stages: Iterable[str]) -> Rates:
     """Processor seconds per size of the latest jobs of some stages.
 
     A kind without any has the rate of the table that ships, which ``slider store times`` writes.

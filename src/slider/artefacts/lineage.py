@@ -72,7 +72,7 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
     needed, waiting = set[str](), [plan.jobs[plan.targets[target]]]
     while waiting:
         job = waiting.pop()
-        if job.recipe not in needed and store.whole(job.stage, job.recipe) is None:
+        if job.recipe not in needed and store.verify(job.stage, job.recipe) is None:
             needed.add(job.recipe)
             waiting += job.needs
 

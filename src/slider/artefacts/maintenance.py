@@ -70,7 +70,7 @@ def verify(store: Store) -> Removed:
         manifests: dict[Path, Manifest] = {}
         unreadable, left, others = [], [], 0
         readers = dict.fromkeys(plans, read_plan) | dict.fromkeys(index, parse_manifest)
-        readers |= dict.fromkeys(store.sidecars(), parse_metadata)
+        readers |= dict.fromkeys(store.metadata_files(), parse_metadata)
         readers |= dict.fromkeys(store.manifests(), partial(_parse_in_place, store))
         for path, read in readers.items():
             try:
@@ -196,7 +196,7 @@ def _text(path: Path) -> str:
 
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
-    """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
+    """Unfinished results, caches, half-written files; what is beside results of lost recipes."""
     for folder in (store.tmp, store.root / "cache"):
         shutil.rmtree(folder, ignore_errors=True)
     folders = (path for path in files.entries(store.root) if path.name != "objects")
@@ -204,7 +204,7 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
     for path in store.root.glob("work/*/*"):
         if path.name not in recipes:
             shutil.rmtree(path)
-    noted = (*store.root.glob("logs/*/*"), *store.sidecars())
+    noted = (*store.root.glob("logs/*/*"), *store.metadata_files())
     _unlink(path for path in noted if path.name.partition(".")[0] not in recipes)
 
 

@@ -17,7 +17,7 @@ _LONGEST_NAME = 255  # bytes, which every file system allows
 
 @dataclass(frozen=True)
 class Result:
-    """What a stage produced: the object, its files and a few deterministic facts."""
+    """What a stage produced: the object, its files and a deterministic summary."""
 
     object: str
     files: FileTable
@@ -26,12 +26,12 @@ class Result:
     @property
     def size(self) -> int:
         """Size of all files [bytes]."""
-        return sum(facts.size for facts in self.files.values())
+        return sum(entry.size for entry in self.files.values())
 
 
 @dataclass(frozen=True)
 class Manifest:
-    """The result of a recipe; holds nothing volatile.
+    """The result of a recipe; holds no run metadata.
 
     ``inputs`` are the recipes of the inputs by name, ``input_objects`` their objects, whose content
     was checked before they were used. The entry ``key`` of the store's index has the same result.

@@ -8,7 +8,7 @@ import json
 import tempfile
 import threading
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -25,6 +25,7 @@ from slider.core.errors import UserError, not_written
 
 LAYOUT = 3
 MARKER = "slider-store.json"
+FOLDERS = ("results", "files")
 CONNECTIONS = 16
 """Files that travel at once."""
 _MOVES = ("file", "sftp", "ssh")  # others show a file when it is whole
@@ -100,6 +101,7 @@ class Remote:
             raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
         if marker is None:
             if create:
+                self._make_folders()
                 self.write(MARKER, files.canonical({"layout": LAYOUT}))
             return create
         with suppress(ValueError, KeyError, TypeError):
@@ -107,74 +109,82 @@ class Remote:
                 return True
         raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
 
+    def _make_folders(self) -> None:
+        if self._scheme == "file":  # the others need none, or make them
+            with self._one_line():
+                fs, root = fsspec.url_to_fs(self.url)
+                for name in ("", *FOLDERS):
+                    with suppress(FileExistsError):
+                        fs.mkdir(f"{root}/{name}", create_parents=False)
+
     def read(self, name: str, limit: int) -> bytes | None:
-        """Content of a small file, if it is there; errors as of ``fetch``."""
+        """Content of a small file, if it is there; errors as of ``get``."""
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / "copy"
-            return copy.read_bytes() if self.fetch(name, copy, limit) else None
+            return copy.read_bytes() if self.get({copy: name}, limit) else None
 
     def write(self, name: str, text: str) -> None:
         """Write a small file in one visible step."""
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "text").write_text(text, encoding="utf-8")
-            self.send(Path(folder) / "text", name)
+            self.put({name: Path(folder) / "text"})
 
     def size(self, name: str) -> int | None:
         """Size of a file [bytes], if it is there."""
-        return self._ask(lambda fs, path: fs.info(path)["size"], name)
+        return self._ask(lambda fs, root: fs.info(f"{root}/{name}")["size"], name)
 
-    def fetch(self, name: str, target: Path, limit: int) -> bool:
-        """Copy a file here; tell whether it is there.
+    def get(self, names: Mapping[Path, str], limit: int) -> bool:
+        """Copy files here, by their places; tell whether all are there.
 
         Raises:
-            DamageError: it is larger than a limit [bytes], where the copy ends, or no plain file.
+            DamageError: one is no plain file, or together they exceed a limit [bytes], where the
+                copy ends.
         """
 
-        def copy(fs: Any, path: str) -> bool:
-            count = _Limit(limit)
+        def copy(fs: Any, root: str) -> bool:
+            paths, targets = [f"{root}/{name}" for name in names.values()], [*map(str, names)]
             if self._scheme in _MOVES:  # the others hold files only
-                facts = fs.info(path)
-                if facts["type"] != "file":
-                    raise DamageError(f"expected a file, found another kind: {facts['type']}")
-                count.relative_update(facts["size"])
+                infos = [fs.info(path) for path in paths]
+                if kinds := {info["type"] for info in infos} - {"file"}:
+                    raise DamageError(f"expected a file, found another kind: {kinds.pop()}")
+                _Limit(limit).relative_update(sum(info["size"] for info in infos))
             try:
-                fs.get_file(path, str(target), callback=count)
+                fs.get(paths, targets, callback=_Limit(limit + len(paths)))
             except OSError as error:
-                if error.filename in (None, str(target)) and (line := not_written(error, target)):
-                    raise line from None  # here, not there
+                here = error.filename in (None, *targets)
+                if here and (line := not_written(error, Path(targets[0]))):
+                    raise line from None
                 raise
             return True
 
-        return self._ask(copy, name) or False
+        return self._ask(copy, *names.values()) or False
 
-    def send(self, source: Path, name: str) -> None:
-        """Copy a file there in one visible step."""
+    def put(self, sources: Mapping[str, Path]) -> None:
+        """Copy files there, by their names, each in one visible step."""
         with self._one_line():
             fs, root = fsspec.url_to_fs(self.url)  # fsspec keeps one file system per address
-            path = f"{root.rstrip('/')}/{name}"
+            paths = [f"{root.rstrip('/')}/{name}" for name in sources]
+            files = [*map(str, sources.values())]
             if self._scheme not in _MOVES:
-                fs.put_file(str(source), path)
+                fs.put(files, paths)
                 return
-            folder, _, file = path.rpartition("/")
-            if self._scheme == "file":  # the others need no folders, or make them
-                for parent in (root, folder):
-                    with suppress(FileExistsError):
-                        fs.mkdir(parent, create_parents=False)  # in one that must be there
-            part = f"{folder}/.{file}.{uuid.uuid4().hex[:12]}.part"
+            parts = [f"{path.rpartition('/')[0]}/.{uuid.uuid4().hex}.part" for path in paths]
             try:
-                fs.put_file(str(source), part)
-                fs.mv(part, path)
+                fs.put(files, parts)
+                for part, path in zip(parts, paths, strict=True):
+                    fs.mv(part, path)
             except BaseException:
-                with suppress(Exception):
-                    fs.rm_file(part)
+                for part in parts:
+                    with suppress(Exception):
+                        fs.rm_file(part)
                 raise
 
-    def _ask(self, question: Callable[[Any, str], T], name: str) -> T | None:
+    def _ask(self, question: Callable[[Any, str], T], *names: str) -> T | None:
         with self._one_line():
             fs, root = fsspec.url_to_fs(self.url)
             fs.invalidate_cache()  # of listings, in which new files lack
             try:
-                return question(fs, f"{root.rstrip('/')}/{name}")
+                return question(fs, root.rstrip("/"))
             except Exception as error:
                 status = getattr(error, "status", None)
                 if isinstance(error, FileNotFoundError) or status == _GONE:
@@ -183,7 +193,7 @@ class Remote:
                 # still gives the marker, unless it is that which it lacks.
                 refused = isinstance(error, PermissionError) or status == _FORBIDDEN
                 bucket = self._scheme in (*_READ_ONLY, "s3")
-                if refused and bucket and (name == MARKER or self.size(MARKER) is not None):
+                if refused and bucket and (MARKER in names or self.size(MARKER) is not None):
                     return None
                 raise
 
@@ -205,11 +215,18 @@ class Remote:
 
 
 class _Limit(Callback):
-    """Ends a copy that grows beyond a limit [bytes], as an endless answer does."""
+    """Ends copies that together exceed a limit [bytes], as an endless answer does.
+
+    fsspec counts one more for each file.
+    """
 
     def __init__(self, limit: int) -> None:
         super().__init__()
         self._limit = limit
+
+    def branched(self, *_: Any, **__: Any) -> Callback:
+        """Count the bytes of all copies together."""
+        return self
 
     def call(self, hook_name: str | None = None, **_: Any) -> None:
         """Compare the bytes that came."""

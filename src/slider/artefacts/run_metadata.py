@@ -102,11 +102,11 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def computed_seconds(facts: Mapping[str, Any], since: float) -> float | None:
+def computed_seconds(metadata: Mapping[str, Any], since: float) -> float | None:
     """Wall time of the computation of a result [s]; none where it ended before, or was reused."""
     with suppress(ValueError, KeyError, TypeError):
-        if facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > since:
-            return float(facts["wall_s"])
+        if metadata["computed"] and datetime.fromisoformat(metadata["ended"]).timestamp() > since:
+            return float(metadata["wall_s"])
     return None
 
 
@@ -126,7 +126,7 @@ def config_option(overrides: str) -> str:
     return f" --config hydra={shlex.quote(asked)}" if overrides else ""
 
 
-def run_metadata(artefacts: Path) -> dict[str, str]:
+def pipeline_metadata(artefacts: Path) -> dict[str, str]:
     """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
     return revision() | _last_run(artefacts)
 

@@ -18,7 +18,7 @@ from slider.artefacts.forecast import kind, size
 from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of
-from slider.artefacts.run_metadata import now, run_metadata
+from slider.artefacts.run_metadata import now, pipeline_metadata
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
 from slider.core.errors import UserError
@@ -49,30 +49,30 @@ class Runner:
         with exclusive(self.store.locks, spec.recipe):
             inputs = spec.input_recipes
             objects = {
-                name: [self.store.checked(job.stage, job.recipe).result.object for job in jobs]
+                name: [self.store.require(job.stage, job.recipe).result.object for job in jobs]
                 for name, jobs in spec.inputs.items()
             }
             key, outcome = spec.key(objects), "reused"
-            manifest = self.store.indexed(key)
+            manifest = self.store.find(key)
             if manifest is None:
                 began = time.perf_counter()
                 result = self._compute(spec, objects)
                 manifest = Manifest(spec.stage, spec.recipe, inputs, result, objects, key)
-                self.store.remember(key, manifest)
+                self.store.put_index(key, manifest)
                 outcome = f"{time.perf_counter() - began:.1f} s"
-            elif manifest.recipe != spec.recipe:  # note the facts of the job that computed it
-                facts = self.store.facts(manifest.stage, manifest.recipe) | {
+            elif manifest.recipe != spec.recipe:  # with the metadata of the job that computed it
+                metadata = self.store.metadata(manifest.stage, manifest.recipe) | {
                     "computed": False,
                     "reused_from": manifest.recipe,
                     "started": now(),
                 }
-                files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
+                files.write_json(self.store.metadata_path(spec.stage, spec.recipe), metadata)
             self.store.write_manifest(replace(manifest, recipe=spec.recipe, inputs=inputs))
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
     def _compute(self, spec: JobSpec, objects: Objects) -> Result:
-        """Compute and publish a result; write its facts beside the manifest's place."""
+        """Compute and publish a result; write its run metadata beside the manifest's place."""
         started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()  # imports are part of it
         load = os.getloadavg()[0]
         check_machine(spec.section)
@@ -96,7 +96,7 @@ class Runner:
                 gc.freeze()  # what was imported stays: no need to look at it each time
                 summary = function(section, inputs, folder, job)
             result = self.store.publish(out, summary)
-        facts = job.volatile | {
+        metadata = job.metadata | {
             "started": started,
             "ended": now(),
             "wall_s": round(time.perf_counter() - wall, 3),
@@ -108,7 +108,7 @@ class Runner:
             "kind": kind(spec),
             "size": size(spec),
         }
-        files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
+        files.write_json(self.store.metadata_path(spec.stage, spec.recipe), metadata)
         return result
 
     def _job(self, spec: JobSpec) -> Job:
@@ -120,11 +120,11 @@ class Runner:
             self.threads,
             MetricsFile(self.store.metrics_path(spec.stage, spec.recipe).absolute()),
             self.progress,
-            run_metadata(self.store.root),
+            pipeline_metadata(self.store.root),
             self.store.cache_folder(code).absolute(),
             self.waiting,
             {
-                name: [self.store.facts(job.stage, job.recipe) for job in jobs]
+                name: [self.store.metadata(job.stage, job.recipe) for job in jobs]
                 for name, jobs in spec.inputs.items()
             },
         )

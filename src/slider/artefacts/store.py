@@ -62,14 +62,14 @@ class Store:
         """File that names the object that a recipe led to."""
         return self.root / stage / f"{recipe}.json"
 
-    def sidecar_path(self, stage: str, recipe: str) -> Path:
-        """File with what differs from run to run: times, load."""
+    def metadata_path(self, stage: str, recipe: str) -> Path:
+        """File with the run metadata of a manifest: what differs from run to run."""
         return self.root / stage / f"{recipe}.run.json"
 
-    def facts(self, stage: str, recipe: str) -> dict[str, Any]:
-        """Read the sidecar of a manifest; empty where that is missing or damaged."""
+    def metadata(self, stage: str, recipe: str) -> dict[str, Any]:
+        """Run metadata of a manifest; empty where they are missing or damaged."""
         with suppress(UserError):
-            return parse_metadata(self.sidecar_path(stage, recipe))
+            return parse_metadata(self.metadata_path(stage, recipe))
         return {}
 
     def log_path(self, stage: str, recipe: str) -> Path:
@@ -168,8 +168,8 @@ class Store:
         """Every manifest of the store."""
         return self._records(".json")
 
-    def sidecars(self) -> list[Path]:
-        """What is noted beside the manifests."""
+    def metadata_files(self) -> list[Path]:
+        """Every file of run metadata."""
         return self._records(".run.json")
 
     def _records(self, ending: str) -> list[Path]:
@@ -195,7 +195,7 @@ class Store:
         groups = _named([self.root / "index"], "[0-9a-f]{2}")
         return _named(groups, r"[0-9a-f]{64}\.json")
 
-    def remember(self, key: str, manifest: Manifest) -> None:
+    def put_index(self, key: str, manifest: Manifest) -> None:
         """Add a computed result to the index.
 
         A recipe holds the recipes of the inputs, a key their contents: after a refactoring that
@@ -209,17 +209,17 @@ class Store:
         there = manifest and self.object_folder(manifest.result.object).is_dir()
         return manifest if there else None
 
-    def indexed(self, key: str) -> Manifest | None:
+    def find(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
         manifest = readable(self.index_path(key))
         return manifest if manifest and self.is_whole(manifest.result.object) else None
 
-    def whole(self, stage: str, recipe: str) -> Manifest | None:
+    def verify(self, stage: str, recipe: str) -> Manifest | None:
         """Manifest of a recipe, if its object is whole."""
         manifest = readable(self.manifest_path(stage, recipe))
         return manifest if manifest and self.is_whole(manifest.result.object) else None
 
-    def checked(self, stage: str, recipe: str) -> Manifest:
+    def require(self, stage: str, recipe: str) -> Manifest:
         """Manifest of a recipe, whose object is whole at this moment.
 
         Raises:
@@ -239,7 +239,7 @@ def _named(folders: Iterable[Path], pattern: str) -> list[Path]:
 
 @contextmanager
 def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
-    """Hold the lock of a name; wait until no other process holds it, nor all locks.
+    """Hold the lock of a name; wait while another process holds it, or holds all locks.
 
     Raises:
         Timeout: another process still holds the name after so many seconds; -1 waits for ever.

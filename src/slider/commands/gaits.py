@@ -55,7 +55,9 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     job, _ = current_result(store, "library", MAKE_LIBRARY)
     library = GaitLibrary.load(current_folder(store, "library", MAKE_LIBRARY) / STORE)
     times = {
-        tuple(gait.section["velocity"]): store.facts(gait.stage, gait.recipe).get("solve_cpu", nan)
+        tuple(gait.section["velocity"]): store.metadata(gait.stage, gait.recipe).get(
+            "solve_cpu", nan
+        )
         for gait in job.inputs["gaits"]
     }
     known = np.array([times[tuple(velocity)] for velocity in library.velocities.tolist()])

@@ -75,17 +75,20 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         body = stage_times(jobs, store) if name == "times" else table(report)
     except KeyError as error:
         raise UserError(f"expected the column {error} in {report}, found none") from None
-    facts = [store.facts(job.stage, job.recipe) for job in jobs]
-    oldest = min(facts, key=lambda fact: str(fact.get("ended", "")), default={})
+    metadata = [store.metadata(job.stage, job.recipe) for job in jobs]
+    oldest = min(metadata, key=lambda fact: str(fact.get("ended", "")), default={})
     return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n\n<!-- /results -->"
 
 
-def origin(command: str, facts: dict[str, Any]) -> str:
+def origin(command: str, metadata: dict[str, Any]) -> str:
     """Line below a table: command, commit, date, machine."""
-    command += config_option(str(facts.get("overrides", "")))
-    commit = f"commit `{facts['commit'][:8]}`" if "commit" in facts else "commit unknown"
-    changed = " with changes" if facts.get("dirty") == "true" else ""
-    date, machine = str(facts.get("ended", "unknown date"))[:10], facts.get("machine", "unknown")
+    command += config_option(str(metadata.get("overrides", "")))
+    commit = f"commit `{metadata['commit'][:8]}`" if "commit" in metadata else "commit unknown"
+    changed = " with changes" if metadata.get("dirty") == "true" else ""
+    date, machine = (
+        str(metadata.get("ended", "unknown date"))[:10],
+        metadata.get("machine", "unknown"),
+    )
     return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
 
 
@@ -165,12 +168,12 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
         ancestors[job.recipe] = job.stage
         recipes = {recipe for group in job.inputs.values() for recipe in group} - set(ancestors)
         waiting += [parse_manifest(p) for r in recipes for p in store.root.glob(f"*/{r}.json")]
-    facts = pd.DataFrame(
-        [{"stage": stage} | store.facts(stage, recipe) for recipe, stage in ancestors.items()],
+    metadata = pd.DataFrame(
+        [{"stage": stage} | store.metadata(stage, recipe) for recipe, stage in ancestors.items()],
         columns=["stage", "threads", "wall_s", "cpu_s"],
     )
-    stages, body = facts.groupby("stage"), []
-    for stage in in_order(facts["stage"]):
+    stages, body = metadata.groupby("stage"), []
+    for stage in in_order(metadata["stage"]):
         mine = stages.get_group(stage)
         minutes = (mine[["wall_s", "cpu_s"]].sum() / 60).map("{:.1f}".format)
         body.append([stage_title(stage), f"{len(mine)}", f"{mine['threads'].max():g}", *minutes])

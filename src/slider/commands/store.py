@@ -6,11 +6,11 @@ import sys
 import time
 
 from slider.artefacts.current import add_store_argument, current_plan
-from slider.artefacts.forecast import computed, remembered
+from slider.artefacts.forecast import computed, latest_rates
 from slider.artefacts.maintenance import collect, summarise, verify
 from slider.artefacts.remote import Remote
-from slider.artefacts.sharing import pull, push
 from slider.artefacts.store import Store
+from slider.artefacts.transfer import pull, push
 from slider.core.errors import UserError, one_of
 
 
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action.add_argument("targets", nargs="*", help="names such as report (default: table1)")
         action.add_argument("--all", action="store_true", help="all targets of the plan")
     push.add_argument(
-        "--verify", action="store_true", help="read what is there and replace what is damaged"
+        "--force", action="store_true", help="send also what is there, and replace it"
     )
 
 
@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
         print("kind,rate,jobs,cpu_s")
         stages = sorted({path.parent.name for path in store.manifests()})
         jobs = computed(store, stages)
-        for kind, rates in remembered(store, stages).items():
+        for kind, rates in latest_rates(store, stages).items():
             spent = [seconds for seconds, _ in jobs.get(kind, ())]
             print(f"{kind},{statistics.median(rates):.4g},{len(spent)},{sum(spent):.1f}")
     else:
@@ -85,10 +85,10 @@ def _travel(store: Store, arguments: argparse.Namespace) -> int:
         one_of("target", name, plan.targets)
     jobs = dict(plan.jobs_of(*names))
     if arguments.action == "push":
-        account, way = push(store, jobs, remote, arguments.verify), "to"
+        report, way = push(store, jobs, remote, arguments.force), "to"
     else:
-        account, way = pull(store, jobs, remote), "from"
-    for line in account.damage:
+        report, way = pull(store, jobs, remote), "from"
+    for line in report.damage:
         print(line, file=sys.stderr)
-    print(f"{arguments.action} {way} {remote.url}: {account} in {time.monotonic() - started:.1f} s")
-    return int(bool(account.damage))
+    print(f"{arguments.action} {way} {remote.url}: {report} in {time.monotonic() - started:.1f} s")
+    return int(bool(report.damage))

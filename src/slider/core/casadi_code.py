@@ -52,7 +52,7 @@ class Compiled:
 
     def __init__(self, job: Job, subject: str, min_pending_jobs: int = 1) -> None:
         self._job, self._subject, self._min_pending_jobs = job, subject, min_pending_jobs
-        self._run = job.volatile.get("pipeline_started", "")
+        self._run = job.metadata.get("pipeline_started", "")
 
     def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
         """Functions that depend on ``facts`` and the job's source alone."""

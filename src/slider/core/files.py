@@ -17,14 +17,14 @@ TEMPORARY_PATTERN = ".*.part"
 
 
 @dataclass(frozen=True)
-class FileFacts:
+class FileEntry:
     """Digest and size [bytes] of a file."""
 
     sha256: str
     size: int
 
 
-FileTable = dict[str, FileFacts]
+FileTable = dict[str, FileEntry]
 """Files of a folder by relative POSIX path."""
 
 
@@ -152,7 +152,7 @@ def list_files(folder: Path) -> list[str]:
 def file_table(folder: Path) -> FileTable:
     """Digest and size of every file of a folder."""
     paths = {name: folder / name for name in list_files(folder)}
-    return {name: FileFacts(digest_file(p), p.stat().st_size) for name, p in paths.items()}
+    return {name: FileEntry(digest_file(p), p.stat().st_size) for name, p in paths.items()}
 
 
 def digest_table(table: FileTable) -> str:

@@ -6,7 +6,7 @@ Every stage is one function ``run(section, inputs, out, job) -> summary``:
 * ``inputs``: name → object folders of the stages it depends on, in a fixed order;
 * ``out``: empty folder for the result's files (same input, same bytes);
 * ``job``: work folder, threads, metrics and progress: nothing that may change the result;
-* ``summary``: small, deterministic facts for the manifest (JSON).
+* ``summary``: small, deterministic values for the manifest (JSON).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,10 +29,10 @@ class Job:
         threads: processor threads the job may use.
         log_metrics: records numbers by name at a step. Never raises.
         progress: shows one line to the person who waits.
-        volatile: facts that differ between runs, such as times; kept outside the manifest.
+        metadata: what differs between runs, such as times; run metadata beside the manifest.
         cache: folder that jobs of the same source share, of what may be deleted at any time.
         waiting: jobs of the stage whose results the plan still lacks, this one among them.
-        input_volatile: for each name in ``inputs``, the volatile facts of those stages in the same
+        input_metadata: for each name in ``inputs``, the run metadata of those stages in the same
             order, with ``wall_s`` and ``cpu_s`` (an empty dictionary where none are known). For
             display and tracking only.
     """
@@ -41,10 +41,10 @@ class Job:
     threads: int = 1
     log_metrics: LogMetrics = lambda *_: None
     progress: Callable[[str], None] = lambda _: None
-    volatile: dict[str, Any] = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
     cache: Path | None = None
     waiting: int = 1
-    input_volatile: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    input_metadata: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
 
 
 StageFunction = Callable[[Section, Inputs, Path, Job], Summary]

@@ -143,7 +143,7 @@ def videos(section: Section, inputs: Inputs, out: Path, job: Job, images: Files)
 
 
 def _films(inputs: Inputs, images: Files) -> list[dict[str, Any]]:
-    """Facts of each video, with its name among the images and a caption."""
+    """What each video shows, with its name among the images and a caption."""
     films = []
     for index, folder in enumerate(inputs.get("videos", ())):
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
@@ -204,9 +204,9 @@ def origins(section: Section, inputs: Inputs, out: Path, job: Job, images: Files
     jobs = [
         one
         for name, recorded in section["origins"].items()
-        for one in zip(recorded, job.input_volatile[name], inputs[name], strict=True)
+        for one in zip(recorded, job.input_metadata[name], inputs[name], strict=True)
     ]
-    return provenance.blocks(section["configuration"], jobs, job.volatile)
+    return provenance.blocks(section["configuration"], jobs, job.metadata)
 
 
 WRITERS: dict[str, Callable[..., Iterator[str]]] = {

@@ -45,8 +45,8 @@ def blocks(
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
     ``jobs`` are of each result of the page the origin (stage, label, recipe, source digest,
-    versions), the facts (times, machine, commit) of the run that computed it, and its object's
-    folder; ``page`` has commit and start of the pipeline run that builds the page.
+    versions), the run metadata (times, machine, commit), and its object's folder; ``page`` has
+    commit and start of the pipeline run that builds the page.
     """
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
     table = _table(jobs, page.get("pipeline_started"))
@@ -74,17 +74,17 @@ def _table(
     rows = [
         {
             **nothing,
-            **facts,
+            **metadata,
             **origin,
             "recipe": origin["recipe"][:16],
             "object": folder.name[:16],
             "source": origin["source"][:12],
-            "commit": _commit(facts),
-            "now": bool(facts.get("computed"))
+            "commit": _commit(metadata),
+            "now": bool(metadata.get("computed"))
             and started is not None
-            and facts.get("pipeline_started") == started,
+            and metadata.get("pipeline_started") == started,
         }
-        for origin, facts, folder in jobs
+        for origin, metadata, folder in jobs
     ]
     table = pd.DataFrame(rows).drop_duplicates("recipe")
     order = in_order(table["stage"])
@@ -127,8 +127,8 @@ def _machines(table: pd.DataFrame) -> list[str]:
     return [f"{machine} ({names})" for machine, names in stages.items()]
 
 
-def _commit(facts: Mapping[str, Any]) -> str:
+def _commit(metadata: Mapping[str, Any]) -> str:
     """First digits of the commit, with a ``+`` where files differed from it."""
-    if "commit" not in facts:
+    if "commit" not in metadata:
         return _UNKNOWN
-    return facts["commit"][:8] + ("+" if facts.get("dirty") == "true" else "")
+    return metadata["commit"][:8] + ("+" if metadata.get("dirty") == "true" else "")

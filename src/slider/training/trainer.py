@@ -109,7 +109,7 @@ class Trainer:
             self._report(score, pace)
         if not self._best:
             self._check()
-        self._job.volatile["blow_ups"] = self._blow_ups
+        self._job.metadata["blow_ups"] = self._blow_ups
 
     def _check(self) -> Score:
         """Score the current policy; remember it if it is the best so far."""
@@ -156,7 +156,7 @@ class Trainer:
         return content
 
     def export(self, out: Path) -> dict[str, Any]:
-        """Write the best policy and its weights; return facts for the manifest."""
+        """Write the best policy and its weights; return a summary for the manifest."""
         weights = self._best["weights"]
         network = self._task.train.network
         facts = {"iteration": self._best["iteration"], **self._best["score"]}

@@ -5,7 +5,14 @@ import pytest
 import torch
 
 from slider.config.types import Interval
-from slider.env.disturbance import NOISE, PUSH, DelayLine, Disturbance, Disturber, Draws
+from slider.env.disturbance import (
+    NOISE,
+    PUSH,
+    DelayLine,
+    Disturbance,
+    DisturbanceModel,
+    SeededRandom,
+)
 from slider.env.starts import NUMPY
 from slider.robot import names
 from slider.robot.mjcf import Actuation
@@ -50,7 +57,7 @@ def test_a_push_is_a_force_for_a_while_at_regular_times():
     push = Disturbance(
         disturbance("push={impulse: {lower: 2.0, upper: 6.0}, duration: 0.04}"), (1,)
     )
-    disturber = Disturber(push, robot_config(), make_physics(1).model, "position", 200)
+    disturber = DisturbanceModel(push, robot_config(), make_physics(1).model, "position", 200)
     disturber.begin(np.arange(200), make_physics(200).qpos)
     forces = []
     for _ in range(305):  # control steps of 20 ms
@@ -147,7 +154,7 @@ def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation)
 @pytest.mark.parametrize("like", [NUMPY, torch.zeros(0)], ids=["numpy", "torch"])
 def test_a_block_of_robots_depends_on_its_own_seed_use_and_time_only(like, kind):
     def draw(seeds: tuple[int, ...], count: int, use: int = PUSH, time: int = 7) -> np.ndarray:
-        values = getattr(Draws(seeds, count, like), kind)(use, time, 4)
+        values = getattr(SeededRandom(seeds, count, like), kind)(use, time, 4)
         assert values.dtype == like.dtype
         return np.array(values)
 

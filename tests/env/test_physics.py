@@ -155,11 +155,11 @@ def test_a_blow_up_is_found_and_stays_alone(spoil, substeps):
 
 
 @pytest.mark.parametrize("differ", [False, True])
-def test_retired_robots_stay_and_the_others_go_on(differ):
+def test_inactive_robots_stay_and_the_others_go_on(differ):
     """Also where every robot has a model of its own."""
     settings = ["mass.upper=1.3"] if differ else []
     whole, some = both = [started(disturbed_physics(4, *settings)) for _ in range(2)]
-    some.retire(np.array([False, True, False, True]))
+    some.deactivate(np.array([False, True, False, True]))
     before = some.state.copy()
     for physics in both:
         for _ in range(3):

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from slider.core.errors import UserError
-from slider.env.disturbance import Disturbance, Draws
+from slider.env.disturbance import Disturbance, SeededRandom
 from slider.env.physics import BatchedPhysics
 from slider.env.randomization import COLUMNS, RandomizedRobots
 from slider.robot.names import NUM_JOINTS
@@ -34,7 +34,7 @@ DISTURBED = disturbance(
 )
 
 
-class Numbers(Draws):
+class Numbers(SeededRandom):
     """Those of NumPy, as tensors."""
 
     def _draw(self, *arguments: Any) -> Any:

@@ -77,9 +77,9 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
 
 def test_a_pose_that_turns_the_feet_is_told(tmp_path):
     robot = mjcf(SLIDER, tmp_path)
-    assert read_model(robot, ROLES | {"pose": {}}).turned == pytest.approx(0.0, abs=1e-6)
+    assert read_model(robot, ROLES | {"pose": {}}).foot_rotation == pytest.approx(0.0, abs=1e-6)
     pose = {"left_ankle": 0.1, "right_ankle": 0.1}
-    assert read_model(robot, ROLES | {"pose": pose}).turned == pytest.approx(0.1, abs=1e-6)
+    assert read_model(robot, ROLES | {"pose": pose}).foot_rotation == pytest.approx(0.1, abs=1e-6)
 
 
 def text(*values: float) -> str:

@@ -92,8 +92,8 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
         yield f"left and right differ by {difference:.1%} ({part})"
         if abs(model.lateral) > _SEEN:
             yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
-        if model.turned > _LEVEL:
-            angle = np.rad2deg(model.turned)
+        if model.foot_rotation > _LEVEL:
+            angle = np.rad2deg(model.foot_rotation)
             yield (
                 f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
                 "are level there, the sum of hip, knee and ankle in roles.pose is wrong"

@@ -92,7 +92,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
 
 
-# What is no number or no list passes: the schema says where it stands and what is expected.
+# Values of other types pass unchanged: the schema names the key and the expected type.
 def _steps(start: float, stop: Any, step: float) -> list[Any]:
     """Numbers from start up to stop, itself included where a step meets it."""
     if not isinstance(stop, int | float) or not start <= stop <= start + _MOST_STEPS * step:

@@ -46,7 +46,7 @@ class Disturbance:
     seeds: tuple[int, ...]
 
 
-class Draws:
+class SeededRandom:
     """Random numbers for ``count`` robots in blocks, each with its own seed.
 
     They are arrays of NumPy, or tensors on the device of ``like``: each library has its own.
@@ -100,7 +100,7 @@ def has_terrain(config: DisturbanceConfig) -> bool:
     return set(config.terrain.kinds) != {"flat"}
 
 
-class Disturber:
+class DisturbanceModel:
     """Late drives, pushes, terrain and noisy sensors of N robots, which may differ.
 
     All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
@@ -122,7 +122,7 @@ class Disturber:
         self._config, self._count, self._like = config, count, like
         self._timestep = float(model.opt.timestep)
         self._torque = actuation == "torque"
-        self._draws = Draws(disturbance.seeds, count, like)
+        self._draws = SeededRandom(disturbance.seeds, count, like)
         self._terrain, self._robots = ground, None
         if write is not None:
             self._robots = randomization.RandomizedRobots(model, config, count, write, like)

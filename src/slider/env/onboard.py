@@ -13,7 +13,7 @@ from slider.env.disturbance import (
     READING,
     SCAN,
     SCAN_BIAS,
-    Draws,
+    SeededRandom,
     with_noise,
 )
 from slider.env.estimator import StateEstimator
@@ -45,7 +45,7 @@ class OnboardState:
         shared = {f.name: getattr(config.sensors, f.name, 0.0) for f in fields(SensingConfig)}
         self._noise = SensingConfig(**shared)
         self._estimator = StateEstimator(config.estimator, robot, count, like)
-        self._draws = Draws(seeds, count, like)
+        self._draws = SeededRandom(seeds, count, like)
         self._biased = asarray(~SLIDES | (robot.geometry.knee is not None), like)
         self.restart()
 

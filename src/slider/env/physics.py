@@ -16,7 +16,14 @@ from mujoco import rollout
 from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
-from slider.env.disturbance import TILES, Disturbance, Disturber, Draws, build_plant, has_terrain
+from slider.env.disturbance import (
+    TILES,
+    Disturbance,
+    DisturbanceModel,
+    SeededRandom,
+    build_plant,
+    has_terrain,
+)
 from slider.env.height_field import FLAT, Ground
 from slider.env.height_field import TILES as TABLE
 from slider.env.instruments import Contacts, DriveLoads, acting_torques, loads, observe
@@ -45,8 +52,8 @@ class BatchedPhysics:
     or torques. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
     :meth:`measure`; with ``onboard`` that is the estimate from the robot's sensors. Without
-    ``instruments`` it is faster but has no :meth:`contacts`. Robots that :meth:`retire` stay where
-    they are until their next :meth:`reset`.
+    ``instruments`` it is faster but has no :meth:`contacts`. Robots stay
+    where they are from :meth:`deactivate` to their next :meth:`reset`.
 
     Attributes:
         state: MuJoCo's full physics state (N, 38): time, positions, velocities.
@@ -70,7 +77,7 @@ class BatchedPhysics:
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)
         self.models = [self.model] * num_robots
-        self._disturber: Disturber | None = None
+        self._disturber: DisturbanceModel | None = None
         self.terrain: Terrain | None = None
         self._ground: Ground = FLAT
         seeds = (0,) if disturbance is None else disturbance.seeds
@@ -81,10 +88,14 @@ class BatchedPhysics:
                 self._constants = mujoco.MjData(self.model)
                 write = self._set_fields
             if on_terrain:  # robots of all seeds share one table of tiles
-                table = Draws(seeds[:1], 1).generators(TILES, 0)[0].uniform(-1, 1, (TABLE, TABLE))
+                table = (
+                    SeededRandom(seeds[:1], 1)
+                    .generators(TILES, 0)[0]
+                    .uniform(-1, 1, (TABLE, TABLE))
+                )
                 self.terrain = Terrain(disturbance.config.terrain, robot, self.models, table)
                 self._ground = self.terrain.ground
-            self._disturber = Disturber(
+            self._disturber = DisturbanceModel(
                 disturbance, robot, self.model, actuation, num_robots, write, ground=self.terrain
             )
         self.num_robots = num_robots
@@ -102,7 +113,7 @@ class BatchedPhysics:
         if onboard is not None:
             self._onboard = OnboardState(onboard, robot, seeds, num_robots, self._rest)
         self._diverged = np.zeros(num_robots, dtype=bool)
-        self._retired = np.zeros(num_robots, dtype=bool)
+        self._inactive = np.zeros(num_robots, dtype=bool)
         self._index = SensorIndex(self.model, instruments)
         self._motors = Transmission.of(robot)
         damping = np.array([gains.kd for gains in by_motor(robot, robot.gains) * len(names.SIDES)])
@@ -140,11 +151,11 @@ class BatchedPhysics:
         self.qpos[index] = qpos
         self.qvel[index] = qvel
         self._sensors[index] = 0.0
-        self._diverged[index] = self._retired[index] = False
+        self._diverged[index] = self._inactive[index] = False
 
-    def retire(self, robots: np.ndarray) -> None:
+    def deactivate(self, robots: np.ndarray) -> None:
         """Stop simulating ``robots`` (N,)."""
-        self._retired |= robots
+        self._inactive |= robots
 
     def step(self, inputs: Array) -> None:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N].
@@ -163,7 +174,7 @@ class BatchedPhysics:
                 control = np.concatenate([control, applied], axis=2)
         states, sensors = self._simulate(control)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
-        self._diverged &= ~self._retired
+        self._diverged &= ~self._inactive
         if self._diverged.any():
             states[self._diverged] = self._rest
             sensors[self._diverged] = 0.0
@@ -185,12 +196,12 @@ class BatchedPhysics:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
         spec = _CONTROL | _APPLIED if control.shape[2] > self.model.nu else _CONTROL
         run = partial(self._pool.rollout, control_spec=int(spec))
-        if not self._retired.any():
+        if not self._inactive.any():
             states, sensors = run(self.models, self._data, self.state, control)
             return np.asarray(states), np.asarray(sensors)
         states = np.repeat(self.state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
-        going = np.flatnonzero(~self._retired)
+        going = np.flatnonzero(~self._inactive)
         if len(going):
             models = [self.models[i] for i in going]
             series = run(models, self._data, self.state[going], control[going])

@@ -37,7 +37,7 @@ class Controller(Protocol):
 
 
 @runtime_checkable
-class GivesUp(Controller, Protocol):
+class CanFail(Controller, Protocol):
     """A controller that takes time, so that robots that have failed are not simulated further."""
 
     def give_up(self, robots: np.ndarray) -> None:
@@ -147,9 +147,9 @@ def roll_out(
         rows.append(row | record)
         contacts.append(touched)
         progress((step + 1) / steps)
-        if isinstance(controller, GivesUp):
+        if isinstance(controller, CanFail):
             controller.give_up(~alive)
-            physics.retire(~alive)
+            physics.deactivate(~alive)
             if not alive.any():
                 break
     missing = steps - len(rows)

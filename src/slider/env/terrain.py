@@ -111,7 +111,7 @@ class Terrain:
         self._uneven = np.flatnonzero(self.kinds != "flat")
         self._views = [_Views(model) for model in models]
         everyone, origin = np.arange(count), np.zeros((count, 2))
-        self._lay(everyone, self.ground, origin, np.stack([origin, origin], axis=1))
+        self._place_boxes(everyone, self.ground, origin, np.stack([origin, origin], axis=1))
 
     def grade(self, passed: np.ndarray, fell: np.ndarray) -> None:
         """Move the levels of robots (N,) that walked an episode through, or fell, by one."""
@@ -137,7 +137,7 @@ class Terrain:
         return np.where(self.kinds == "flat", 1.0, share)
 
     def begin(self, index: np.ndarray, qpos: np.ndarray, uniform: np.ndarray) -> np.ndarray:
-        """Give robots ``index`` new grounds by numbers (n, ``DRAWS``) in [0, 1), and lay them.
+        """Give robots ``index`` new grounds by numbers (n, ``DRAWS``) in [0, 1) and their boxes.
 
         Returns:
             Positions (n, 19): legs and feet fit the ground below them, the lowest foot is as high
@@ -146,7 +146,7 @@ class Terrain:
         self._draw(index, uniform)
         place = self.ground.of(index)
         qpos = self._stand(place, qpos)
-        self._lay(index, place, qpos[:, :2], self._ends(qpos).mean(axis=2)[..., :2])
+        self._place_boxes(index, place, qpos[:, :2], self._ends(qpos).mean(axis=2)[..., :2])
         return qpos
 
     def _draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
@@ -203,9 +203,9 @@ class Terrain:
         """
         index = self._uneven
         feet = feet[index] + _LOOK_AHEAD * velocities[index]
-        self._lay(index, self.ground.of(index), base[index], feet)
+        self._place_boxes(index, self.ground.of(index), base[index], feet)
 
-    def _lay(
+    def _place_boxes(
         self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
     ) -> None:
         arrays = (*_floors(ground), *_boxes_near(ground, base, feet))

@@ -16,7 +16,7 @@ import torch
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
-from slider.env.disturbance import Disturbance, Disturber, build_plant
+from slider.env.disturbance import Disturbance, DisturbanceModel, build_plant
 from slider.env.randomization import VARIED_FIELDS, Fields, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
@@ -100,7 +100,7 @@ class WarpPhysics:
         self._disturber: Any = None  # its arrays are tensors
         if disturbance is not None:
             write = self.set_fields if varied else None
-            self._disturber = Disturber(
+            self._disturber = DisturbanceModel(
                 disturbance, robot, self.model, actuation, num_robots, write, self.qpos
             )
         self._place_at_rest(torch.ones_like(self._diverged))

@@ -71,7 +71,7 @@ def walk(
         if not going.any():
             break
         controller.give_up(~going)
-        physics.retire(~going)
+        physics.deactivate(~going)
         walked = np.where(going, controller.memory.steps - 1, walked)
         ticks, distance = ticks + going, distance + going * state.heading_velocity[:, 0]
         if tick % 1000 == 0:

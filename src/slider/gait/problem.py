@@ -114,7 +114,7 @@ def blocks_of(constraints: list[Constraint], count: int, first: int = 0) -> list
 def worst_of(
     values: np.ndarray, lower: ArrayLike, upper: ArrayLike, scale: float = 1.0
 ) -> tuple[float, str]:
-    """By how much the worst of scaled values is beyond its bound; ``0.951, at least 1``."""
+    """Largest excess of scaled values over their bounds, and its text; ``0.951, at least 1``."""
     lower, upper = (np.broadcast_to(side, values.shape) for side in (lower, upper))
     beyond = excess(values, lower, upper)
     row = int(beyond.argmax())
@@ -124,7 +124,7 @@ def worst_of(
 
 
 def excess(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """By how much values are outside of their bounds, element by element."""
+    """Distance of each value from its interval; zero inside."""
     return np.maximum(np.maximum(lower - values, values - upper), 0.0)
 
 

@@ -14,9 +14,9 @@ from slider.config.convert import from_dict
 from slider.config.robot import LEAST_BEND, LINKS, TILTS, Body
 from slider.core.errors import require
 from slider.robot.model_tree import (
-    ABSENT,
     AXES,
     MAX_DIFFERENCE,
+    OPTIONAL_JOINTS,
     ModelTree,
     Part,
     Roles,
@@ -38,7 +38,7 @@ class ModelFile:
         held: joints without a role, with the mass that they carry [kg].
         differs: largest difference of the legs, and what has it.
         lateral: y of the base's centre, which counts as 0 [m].
-        turned: by how much the pose turns the feet against the model's own zero [rad].
+        foot_rotation: angle of the feet between the pose and the model's own zero [rad].
         ignored: springs and constraints that do not touch a leg.
     """
 
@@ -46,7 +46,7 @@ class ModelFile:
     held: dict[str, float]
     differs: tuple[float, str]
     lateral: float
-    turned: float
+    foot_rotation: float
     ignored: list[str]
 
 
@@ -84,11 +84,11 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     heavy = {name: part.body for name, part in leg.items() if part.body.mass > 0.0}
     links |= {LINKS[name]: _values(body, places[name]) for name, body in heavy.items()}
     joints = {name: part.joint for name, part in leg.items()}
-    joints |= {name: joint for name, joint in ABSENT.items() if name not in leg}
+    joints |= {name: joint for name, joint in OPTIONAL_JOINTS.items() if name not in leg}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
     robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
     differs = difference, worst
-    return ModelFile(robot, tree.held(), differs, offset, tree.turned(), tree.ignored)
+    return ModelFile(robot, tree.held(), differs, offset, tree.foot_rotation(), tree.ignored)
 
 
 def _geometry(

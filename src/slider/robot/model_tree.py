@@ -20,10 +20,10 @@ from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, MIRROR, TILTS, Body
 from slider.core.errors import UserError, require
 
 _KNEE = "knee"
-_NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
-ABSENT = {
-    "hip_yaw": _NARROW | {"armature": 0.0},
-    "upper_foot": _NARROW | {"armature": 0.001},
+LOCKED = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
+OPTIONAL_JOINTS = {
+    "hip_yaw": LOCKED | {"armature": 0.0},
+    "upper_foot": LOCKED | {"armature": 0.001},
 }
 """Joints that a machine may lack, and the narrow ones of light links that take their place."""
 AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
@@ -218,8 +218,8 @@ class ModelTree:
             holders[body] = holder
         return result
 
-    def turned(self) -> float:
-        """By how much the pose turns the left foot against the model's own zero [rad]."""
+    def foot_rotation(self) -> float:
+        """Angle of the left foot between the pose and the model's own zero [rad]."""
         foot = self._model.jnt_bodyid[self._joints["ankle"][0]]
         posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
         rest = mujoco.MjData(self._model)
@@ -338,8 +338,12 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
         table["slide"] = table.pop(_KNEE)
     expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide"
     require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
-    lacks = [name for name, pair in roles.joints.items() if pair is None and name not in ABSENT]
-    require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
+    lacks = [
+        name for name, pair in roles.joints.items() if pair is None and name not in OPTIONAL_JOINTS
+    ]
+    require(
+        not lacks, key, f"null for no other than {' and '.join(OPTIONAL_JOINTS)}", ", ".join(lacks)
+    )
     present = {name: pair for name, pair in table.items() if pair is not None}
     pairs = {
         name: (_index(model, "joint", left, key), _index(model, "joint", right, key))

@@ -78,7 +78,7 @@ class Observer:
     def _simulate(self, inputs: Iterable[np.ndarray]) -> None:
         """Let the estimate go on, one tick for each of the torques (N, 12)."""
         self._model.reset(self._robots, self._qpos, self._qvel)
-        self._model.retire(self._given_up)
+        self._model.deactivate(self._given_up)
         for torques in inputs:
             self._model.step(torques)
         self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()

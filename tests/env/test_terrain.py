@@ -91,7 +91,7 @@ def test_tiles_are_level_within_themselves_and_about_the_start():
 
 
 def test_the_gradient_of_a_field_is_that_of_its_heights():
-    ground = ground_of(stand(on("field")))
+    ground = ground_of(stand(on("rough")))
     points = np.random.default_rng(0).uniform(-3.0, 3.0, (COUNT, 200, 2))
     steps = 1e-6 * np.eye(2)
     numeric = [(ground.height(points + s) - ground.height(points - s)) / 2e-6 for s in steps]
@@ -112,7 +112,7 @@ def test_a_ray_meets_the_ground_of_the_formula_under_every_foot(kind):
     along = np.linspace(-0.085, 0.085, 7)
     points = feet[:, :, None] + np.stack([along, 0.001 + 0.0 * along], axis=-1)
     expected = ground_of(physics).height(points)
-    tolerance = 0.002 if kind == "field" else 1e-9  # which is its tangent plane at the foot
+    tolerance = 0.002 if kind == "rough" else 1e-9  # which is its tangent plane at the foot
     for robot, model in enumerate(physics.models):
         measured = [[_ray(model, point) for point in foot] for foot in points[robot]]
         np.testing.assert_allclose(measured, expected[robot], atol=tolerance)
@@ -159,7 +159,7 @@ def test_level_tiles_push_a_dropped_robot_upwards():
     assert force[0] < 0.02 * force[1]
 
 
-@pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across", "tiles", "field"])
+@pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across", "tiles", "rough"])
 def test_a_start_fits_the_ground_which_carries_the_robot(kind):
     physics = stand(on(kind))
     np.testing.assert_allclose(clearance(physics).min(axis=(1, 2)), 0.0, atol=1e-9)
@@ -173,7 +173,7 @@ def test_a_start_fits_the_ground_which_carries_the_robot(kind):
 
 
 def test_boxes_follow_feet_that_walk_on():
-    physics = stand(on("stairs_up", "tiles", "field"))
+    physics = stand(on("stairs_up", "tiles", "rough"))
     for step in range(30):  # carried over the ground, feet down
         physics.qvel[:, 0] = 2.0
         physics.step(np.zeros((COUNT, names.NUM_JOINTS)))

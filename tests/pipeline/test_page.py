@@ -37,11 +37,11 @@ def test_without_a_renderer_there_is_a_page_and_no_video_job():
 
 
 def test_there_is_a_video_of_each_terrain_that_is_asked_for():
-    terrain = "report.video={renderer: egl, terrain: {kinds: [tiles, field], level: 5, speed: 0.8}}"
+    terrain = "report.video={renderer: egl, terrain: {kinds: [tiles, rough], level: 5, speed: 0.8}}"
     _, page_job = stages(terrain)
     videos = [job.section for job in page_job.inputs["videos"]]
     kinds = [video["disturbance"]["terrain"]["kinds"] for video in videos]
-    assert kinds[-2:] == [["tiles"], ["field"]]
+    assert kinds[-2:] == [["tiles"], ["rough"]]
     assert all(kind == ["flat"] for kind in kinds[:-2])
     assert all(video["controller"] == "policy_onboard" for video in videos[-2:])
 

@@ -265,7 +265,7 @@ TerrainKind = Literal[
     "stairs_down",
     "gaps",
     "tiles",
-    "field",
+    "rough",
 ]
 Level = Annotated[float, t.Unit("-"), Field(ge=0, le=20)]
 

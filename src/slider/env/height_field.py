@@ -15,8 +15,8 @@ from slider.robot.kinematics import extend_leg, turn_to_heading
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
 TILES = 64  # after so many tiles their heights repeat
-_FADE = 0.3  # from its level start to its full height a field has this [m]
-# Wave vectors [rad/m] of a field; their amplitudes add up to 1.
+_FADE = 0.3  # from its level start to its full height rough ground has this [m]
+# Wave vectors [rad/m] of rough ground; their amplitudes add up to 1.
 _WAVES = 2 * math.pi * np.array([[0.8, 0.15], [-0.3, 0.7], [0.6, -0.9], [1.1, 0.6]])
 _SHARES = np.array([0.4, 0.3, 0.2, 0.1])
 _WHOLE = ("table", "flat")  # of all robots
@@ -58,7 +58,7 @@ class UnevenGround:
         bars: (N,) number of bars beside the first; 0: none.
         tiles: (N,) amplitude of the tiles' heights [m].
         waves: (N,) amplitude of the waves [m].
-        place: (N, 2) where on the table of tiles, in the field [m], the robot's origin is.
+        place: (N, 2) where on the table of tiles, in the waves [m], the robot's origin is.
         table: (64, 64) of tiles, uniform in [-1, 1].
     """
 

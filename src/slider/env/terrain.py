@@ -2,7 +2,7 @@
 
 Every robot has a ground of its own, by formula and without end. Its MuJoCo model has the floor's
 plane and a few boxes, which are put under the feet again in each control step. A foot therefore
-touches a slope, a step or a tile exactly, at five points; of a smooth field the tangent plane.
+touches a slope, a step or a tile exactly, at five points; of rough ground the tangent plane.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -24,7 +24,7 @@ from slider.robot.kinematics import foot_ends, rotation_from_quaternion, yaw_of
 # What a level adds.
 SLOPE = math.radians(1.25)  # [rad]
 STEP, RISE, GAP = 0.012, 0.01, 0.015  # height of a step and of a stair, width of a gap [m]
-TILE, WAVE = 0.008, 0.004  # heights of tiles and of a field lie within ± this [m]
+TILE, WAVE = 0.008, 0.004  # heights of tiles and of rough ground lie within ± this [m]
 
 TREAD, STAIRS = 0.3, 12  # depth of a stair [m], their number
 BOARD, BOARDS = 0.4, 60  # from gap to gap [m], number of boards
@@ -44,8 +44,8 @@ def magnitude(kind: str, level: float) -> str:
     """A level of a kind, in words."""
     if kind.startswith("slope"):
         return f"{math.degrees(SLOPE) * level:.3g}°"
-    scale = {"step": STEP, "stairs": RISE, "gaps": GAP, "tiles": TILE, "field": WAVE}
-    sign = "± " if kind in ("tiles", "field") else ""
+    scale = {"step": STEP, "stairs": RISE, "gaps": GAP, "tiles": TILE, "rough": WAVE}
+    sign = "± " if kind in ("tiles", "rough") else ""
     return f"{sign}{100 * scale.get(kind.partition('_')[0], 0.0) * level:.3g} cm"
 
 
@@ -172,7 +172,7 @@ class Terrain:
         ground.bars[index] = 1.0 * single + STAIRS * stairs + BOARDS * boards
         least, most = PLATFORM
         ground.start[index] = least + (most - least) * uniform[:, 2]
-        ground.tiles[index], ground.waves[index] = TILE * of("tiles"), WAVE * of("field")
+        ground.tiles[index], ground.waves[index] = TILE * of("tiles"), WAVE * of("rough")
         ground.place[index] = TILES * CELL * uniform[:, 3:5]
 
     def _ends(self, qpos: np.ndarray) -> np.ndarray:

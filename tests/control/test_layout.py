@@ -75,10 +75,10 @@ def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():
 def test_a_zero_action_is_the_nominal_pose_or_the_gait():
     plain, about = make_policy("env.action.offset=nominal"), make_policy("env.action.offset=gait")
     gaits = gait_table().joints
-    np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)
+    np.testing.assert_array_equal(reference_table(about).values, gaits.values)
     found = describe(about, {})["reference"]
     assert [describe(p, {})["action"]["offset"] for p in (plain, about)] == ["nominal", "gait"]
-    assert found["shape"] == list(gaits.positions.shape)
+    assert found["shape"] == list(gaits.values.shape)
     assert found["vx"] == gaits.times.vx.tolist()
     nominal = [joint["nominal"] for joint in describe(plain, {})["action"]["joints"]]
     for phase in (0.0, 0.4, 0.9):

@@ -95,7 +95,7 @@ def write_files(
     layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin}, estimator)
     save_onnx(policy.network, layout, out / ONNX)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
-    np.save(out / REFERENCE, reference_table(policy).positions)
+    np.save(out / REFERENCE, reference_table(policy).values)
     spec = build_spec(policy.robot, SimulationOptions.of(policy.env.physics))
     (out / MODEL).write_text(_with_all_digits(spec, policy.robot), encoding="utf-8")
     if policy_file.resolve() != (out / POLICY_FILE).resolve():

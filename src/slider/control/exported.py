@@ -22,7 +22,7 @@ from slider.core.errors import UserError, require
 from slider.core.files import digest_file, flatten
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.observations import Observer
-from slider.library.lookup import JointTable, StepTimes
+from slider.library.lookup import GaitTable, StepTimes
 from slider.robot.names import NUM_JOINTS, VELOCITY
 
 _COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
@@ -81,7 +81,7 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> tuple[Onn
         times = StepTimes.constant(1.0) if clock is None else _times(clock, clock["step_time"])
         shape = reference["shape"]
         positions = np.load(folder / REFERENCE, allow_pickle=False).reshape(shape)
-        table = JointTable(_times(reference, np.ones(shape[:3])), positions)
+        table = GaitTable(_times(reference, np.ones(shape[:3])), positions)
         sizes = Observer(env.observation, robot.geometry).layout
         network = PolicyNetwork(sum(sizes.values()), NUM_JOINTS, (), "elu")
         policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, table)

@@ -15,7 +15,7 @@ from slider.control.policy import Policy
 from slider.env.estimator import Leg
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
-from slider.library.lookup import JointTable, StepTimes
+from slider.library.lookup import GaitTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
     MIRROR_PERMUTATION,
@@ -130,12 +130,12 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
     return rows
 
 
-def reference_table(policy: Policy) -> JointTable:
+def reference_table(policy: Policy) -> GaitTable:
     """Joint positions of a zero action: those of the gaits, or the nominal pose."""
     if policy.reference is not None:
         return policy.reference
     nominal = AgentInterface(policy.robot, policy.env, 1, policy.times).nominal
-    return JointTable(StepTimes.constant(1.0), np.tile(nominal, (1, 1, 1, 4, 1)))
+    return GaitTable(StepTimes.constant(1.0), np.tile(nominal, (1, 1, 1, 4, 1)))
 
 
 def _reference(policy: Policy) -> dict[str, Any]:
@@ -145,7 +145,7 @@ def _reference(policy: Policy) -> dict[str, Any]:
         "file": REFERENCE,
         "axes": [*VELOCITY, "sample", "joint"],
         "acceleration": policy.env.reference.acceleration,
-        "shape": list(table.positions.shape),
+        "shape": list(table.values.shape),
         **_axes(table.times),
         "standing": table.standing.tolist(),
         "meaning": "joint positions of a zero action at the reference velocity, the commanded yaw "

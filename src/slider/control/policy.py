@@ -18,7 +18,7 @@ from slider.core.errors import UserError, require
 from slider.core.files import flatten
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.state import RobotState
-from slider.library.lookup import JointTable, StepTimes
+from slider.library.lookup import GaitTable, StepTimes
 from slider.robot.names import NUM_JOINTS, joint_names
 
 FORMAT = "slider-policy"
@@ -96,14 +96,14 @@ class Policy:
     robot: RobotConfig
     env: EnvConfig
     facts: Mapping[str, float]
-    reference: JointTable | None = None
+    reference: GaitTable | None = None
 
 
 def save_policy(policy: Policy, path: Path) -> None:
     """Write a policy file; loadable with ``torch.load(path, weights_only=True)``."""
     reference = None
     if policy.reference is not None:
-        positions = torch.from_numpy(policy.reference.positions)
+        positions = torch.from_numpy(policy.reference.values)
         reference = {**_tensors(policy.reference.times), "positions": positions}
     content = {
         "format": FORMAT,
@@ -149,7 +149,7 @@ def load_policy(path: Path) -> Policy:
     network.load_state_dict(content["state"])
     if reference is not None:
         positions = reference.pop("positions").numpy()
-        reference = JointTable(_times(reference), positions)
+        reference = GaitTable(_times(reference), positions)
     return Policy(
         network=network.eval(),
         hidden=hidden,

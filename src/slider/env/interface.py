@@ -15,7 +15,7 @@ from slider.core.errors import UserError
 from slider.env.observations import Observer, reflect
 from slider.env.phase import Clock, gait_velocity_of
 from slider.env.state import RobotState, View
-from slider.library.lookup import JointTable, StepTimes
+from slider.library.lookup import GaitTable, StepTimes
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import MIRROR_PERMUTATION, NUM_JOINTS, SIDES, mirror_sign
 from slider.robot.transmission import Transmission
@@ -40,7 +40,7 @@ class AgentInterface:
         config: EnvConfig,
         num_robots: int,
         times: StepTimes | None,
-        reference: JointTable | None = None,
+        reference: GaitTable | None = None,
         like: torch.Tensor = FLOAT64,
     ) -> None:
         if config.phase.enabled and times is None:

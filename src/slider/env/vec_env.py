@@ -24,7 +24,7 @@ from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, sample_about
 from slider.env.state import RobotState
 from slider.env.velocities import Random, VelocitySampler
-from slider.library.lookup import GaitTable, JointTable, StepTimes
+from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
 from slider.robot.names import ACTUATED, NUM_JOINTS
 
@@ -47,7 +47,7 @@ class Task:
     train: TrainConfig
     times: StepTimes | None
     guide: Guide | None
-    reference: JointTable | None = None
+    reference: GaitTable | None = None
 
 
 def task_of(

@@ -31,59 +31,66 @@ class StepTimes(Axes):
 
 
 @dataclass(frozen=True)
-class JointTable:
-    """Joint positions (nx, ny, nw, S, 12) [rad or m] on all nodes of the mesh of velocities.
+class GaitTable:
+    """Walks on all nodes of a mesh of velocities, each of S samples, left stance first.
 
-    Each walk has S samples, left stance first.
+    Attributes:
+        times: mean step times.
+        values: channels and base motion (nx, ny, nw, S, 26 + 13), or the first 12 channels alone:
+            joint positions [rad or m].
     """
 
     times: StepTimes
-    positions: Array
-
-    def at(self, velocity: Array, phase: Array) -> Array:
-        """Joint positions (N, 12) of velocities (N, 3) at phases (N,) in [0, 1)."""
-        return at_phase(self.times, self.positions, velocity, phase)
-
-    @cached_property
-    def standing(self) -> Array:
-        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
-        return standing(self.times, self.positions)
-
-
-@dataclass(frozen=True)
-class GaitTable:
-    """Mean step times, channels and base motion (nx, ny, nw, S, 26 + 13) on all nodes of a mesh."""
-
-    times: StepTimes
-    reference: Array
+    values: Array
 
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
         """Fill every node of the library's mesh of velocities."""
         mesh, arrays = library.mesh, library.arrays
         values = np.concatenate([arrays["samples"], aligned(arrays["base"])], axis=2)
-        reference = np.tensordot(mesh.node_weights, values, axes=1)
         step_time = mesh.node_weights @ arrays["step_time"].mean(axis=1)
-        return cls(StepTimes(mesh.vx, mesh.vy, mesh.yaw_rate, step_time), reference)
+        times = StepTimes(mesh.vx, mesh.vy, mesh.yaw_rate, step_time)
+        return cls(times, np.tensordot(mesh.node_weights, values, axes=1))
 
     @property
-    def joints(self) -> JointTable:
+    def joints(self) -> "GaitTable":
         """The joint positions alone."""
-        return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
+        return GaitTable(self.times, np.ascontiguousarray(self.values[..., :NUM_JOINTS]))
 
     def at(self, velocity: Array, phase: Array) -> Array:
-        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1).
+        """Rows (N, columns) of velocities (N, 3) at phases (N,) in [0, 1).
 
         Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
         """
-        result = at_phase(self.times, self.reference, velocity, phase)
+        result = self._rows(velocity, phase)
         normalise(result[:, NUM_CHANNELS:])
+        return result
+
+    def _rows(self, velocity: Array, phase: Array) -> Array:
+        samples, columns = self.values.shape[3:]
+        xp, per_step = namespace(phase), samples // 2
+        step = xp.asarray(phase >= 0.5, dtype=xp.int64)
+        position = (2.0 * phase - step) * (per_step - 1)
+        node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
+        share, k = position - node, step * per_step + node  # the sample before, the way to the next
+        flat = self.values.reshape(-1, columns)
+        result = zeros((len(velocity), columns), velocity)
+        _, ny, nw = self.times.shape
+        for (x, y, yaw_rate), weight in corners(self.times, velocity):
+            row = ((x * ny + y) * nw + yaw_rate) * samples + k
+            result += (weight * (1 - share))[:, None] * flat[row]
+            result += (weight * share)[:, None] * flat[row + 1]
         return result
 
     @cached_property
     def standing(self) -> Array:
-        """Channels and base motion (39,) of a robot that stands on both feet, at rest."""
-        result = standing(self.times, self.reference)
+        """Row (columns,) of a robot that stands on both feet, at rest.
+
+        The mean of the two changes of feet of the gait in place, which are reflections of each
+        other.
+        """
+        place, phase = zeros((2, 3), self.values), asarray([0.0, 0.5], self.values)
+        result = self._rows(place, phase).mean(axis=0)
         result[NUM_JOINTS:NUM_CHANNELS] = 0.0
         result[NUM_CHANNELS + 7 :] = 0.0
         normalise(result[None, NUM_CHANNELS:])
@@ -91,38 +98,8 @@ class GaitTable:
 
     def channels(self, velocity: Array) -> Array:
         """Channels (N, S, 26) of all samples of the walks at velocities (N, 3)."""
-        samples = self.reference[..., :NUM_CHANNELS]
+        samples = self.values[..., :NUM_CHANNELS]
         result = zeros((len(velocity), *samples.shape[3:]), velocity)
         for node, weight in corners(self.times, velocity):
             result += weight[:, None, None] * samples[node]
         return result
-
-
-def standing(times: StepTimes, table: Array) -> Array:
-    """Row (channels,) of a table (nx, ny, nw, S, channels) for standing on both feet.
-
-    The mean of the two changes of feet of the gait in place, which are reflections of each other.
-    """
-    place, phase = zeros((2, 3), table), asarray([0.0, 0.5], table)
-    return at_phase(times, table, place, phase).mean(axis=0)
-
-
-def at_phase(times: StepTimes, table: Array, velocity: Array, phase: Array) -> Array:
-    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at velocities (N, 3), phases (N,).
-
-    Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
-    """
-    samples, channels = table.shape[3:]
-    xp, per_step = namespace(phase), samples // 2
-    step = xp.asarray(phase >= 0.5, dtype=xp.int64)
-    position = (2.0 * phase - step) * (per_step - 1)
-    node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
-    share, k = position - node, step * per_step + node  # the sample before, and the way to the next
-    flat = table.reshape(-1, channels)
-    result = zeros((len(velocity), channels), velocity)
-    _, ny, nw = times.shape
-    for (x, y, yaw_rate), weight in corners(times, velocity):
-        row = ((x * ny + y) * nw + yaw_rate) * samples + k
-        result += (weight * (1 - share))[:, None] * flat[row]
-        result += (weight * share)[:, None] * flat[row + 1]
-    return result

@@ -1,10 +1,13 @@
 """The store: publication, manifests, content that is read once, locks between processes."""
 
+import errno
 import json
 import multiprocessing
+import os
 import shutil
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -27,6 +30,21 @@ def test_same_content_is_one_read_only_object_whoever_computed_it(store):
     assert len(store.objects()) == 2
     assert not list((store.root / "objects" / "tmp").iterdir())
     assert data(store, first).stat().st_mode & 0o222 == 0
+
+
+def test_who_may_write_beside_an_object_may_remove_it(store, monkeypatch):
+    """Several users of one store repair and clean up, with the umask of the how-to."""
+    kept = os.umask(0o002)
+    try:
+        digest = compute(store, GAITS[0]).result.object
+    finally:
+        os.umask(kept)
+    assert store.object_folder(digest).stat().st_mode & 0o777 == 0o775
+    refused = PermissionError(errno.EACCES, "Permission denied")
+    monkeypatch.setattr(os, "rmdir", Mock(side_effect=refused))
+    line = f"^expected to remove .*/objects/{digest[:2]}/{digest}, found: Permission denied$"
+    with pytest.raises(UserError, match=line):
+        store.drop_object(digest)
 
 
 def test_manifest_round_trip_holds_no_run_metadata(store, manifest):

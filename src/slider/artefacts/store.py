@@ -119,10 +119,10 @@ class Store:
         result = Result(files.digest_table(table), table, files.plain(summary))
         for name in table:
             (folder / name).chmod(0o444)
-        folder.chmod(0o755)  # mkdtemp makes it private
-        files.sync(*(path for path in folder.rglob("*")), folder)
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copymode(target.parent, folder)  # mkdtemp makes it private
+        files.sync(*(path for path in folder.rglob("*")), folder)
         if target.exists() and not self.is_whole(result.object):
             self.drop_object(result.object)
         try:
@@ -148,12 +148,19 @@ class Store:
             raise not_read(error, folder) from None
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
+        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed.
+
+        Raises:
+            UserError: the system does not let it be removed, such as another user's.
+        """
         folder = self.object_folder(digest)
-        if folder.is_dir() and not folder.is_symlink():
-            shutil.rmtree(folder)
-        else:
-            folder.unlink(missing_ok=True)
+        try:
+            if folder.is_dir() and not folder.is_symlink():
+                shutil.rmtree(folder)
+            else:
+                folder.unlink(missing_ok=True)
+        except OSError as error:
+            raise UserError(f"expected to remove {folder}, found: {error.strerror}") from None
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""

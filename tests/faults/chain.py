@@ -166,6 +166,7 @@ def process(action: Callable[[], int], *before: Callable[[], object]) -> Ended:
         os.close(reading)
         for descriptor in (1, 2):
             os.dup2(writing, descriptor)
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115 - a pipe, whatever it was before
         status = 70
         try:
             for prepare in before:

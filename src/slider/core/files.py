@@ -83,7 +83,7 @@ def entries(folder: Path) -> list[Path]:
         NotReadError: it cannot be listed, or something else, or a link to nothing, is in its place.
     """
     try:
-        return sorted(folder.iterdir())
+        return [folder / name for name in sorted(os.listdir(folder))]
     except OSError as error:
         if isinstance(error, FileNotFoundError) and not folder.is_symlink():
             return []

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pipeline.stages import all_jobs
 from pipeline.stages.entries import STAGES, compared
-from pipeline.stages.evaluation import baseline_tuning, gauge_job
+from pipeline.stages.evaluation import baseline_tuning, gauge_job, second_engine
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
 from slider.artefacts.manifest import readable
@@ -24,7 +24,7 @@ from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_section
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
-ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning}
+ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning, "second_engine": second_engine}
 """Beside the studies."""
 
 

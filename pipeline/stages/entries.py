@@ -37,6 +37,11 @@ STAGES = {
     "baseline": Stage("slider.evaluation.stage:run"),
     "gauge_axis": Stage("slider.evaluation.gauge:run"),
     "gauge": Stage("slider.reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
+    "drake_audit": Stage("slider.evaluation.drake:run_audit"),
+    "drake_evaluation": Stage("slider.evaluation.drake:run"),
+    "second_engine": Stage(
+        "slider.reports.second_engine:run", ("second_engine.csv", "second_engine.md")
+    ),
     "tuning": Stage("slider.evaluation.tuning:run"),
     "baseline_tuning": Stage("slider.reports.tuning:run", compared("baseline_tuning")),
     "table1": Stage(

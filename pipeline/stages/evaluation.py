@@ -1,5 +1,6 @@
 """Evaluations of a protocol and of the gauge, of policies and baselines; their tables."""
 
+import importlib.util
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
@@ -159,6 +160,35 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
     section = {"speeds": speeds, "control_period": config.env.control_period}
     section |= titles(config, config.evaluation.controllers)
     return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})
+
+
+def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """The table of both engines, and with it the audit of Drake's model and the walks in both.
+
+    Raises:
+        UserError: Drake is not installed, or a controller cannot walk the gaits.
+    """
+    there, settings = importlib.util.find_spec("pydrake") is not None, config.second_engine
+    require(there, "second_engine", "Drake (pip install -e '.[drake]' -c constraints.txt)", "none")
+    check_walkable(config, "second_engine.protocol.controllers", settings.protocol.controllers)
+    names, usual = settings.friction_controllers, config.robot.contact.friction
+    slippery = replace(settings.protocol, controllers=names, speeds=[settings.friction_speed])
+    drake, engines, evaluations = {"drake_step": settings.timestep}, [], []
+    section = {"robot": robot(config), "physics": to_dict(config.env.physics)} | drake
+    audit = job("drake_audit", "audit of Drake's model", section, tracked=False)
+    for friction in (usual, *settings.frictions):
+        protocol = settings.protocol if friction == usual else slippery
+        contact = replace(config.robot.contact, friction=friction)
+        there = replace(config, robot=replace(config.robot, contact=contact))
+        for one in evaluations_of(there, protocol, jobs, f", friction {friction:g}"):
+            inputs = {**one.inputs, "audit": [audit]}
+            label, section = f"{one.label}, Drake", {**one.section, **drake}
+            engines += [("MuJoCo", friction), ("Drake", friction)]
+            evaluations += [one, job("drake_evaluation", label, section, inputs)]
+    section = titles(config, settings.protocol.controllers)
+    section |= {"engines": engines, "friction": usual, "protocol": to_dict(settings.protocol)}
+    inputs = {"evaluations": evaluations, "audit": [audit]}
+    return job("second_engine", "second engine", section, inputs)
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:

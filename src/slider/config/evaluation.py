@@ -198,6 +198,21 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
         return [float(value) for value in values][: self.levels]
 
 
+class SecondEngineConfig(t.Group):
+    """Drake beside MuJoCo: a protocol on both, and the policy on floors of less friction."""
+
+    protocol: EvaluationConfig
+    """on both engines, from the same starts"""
+    timestep: t.Positive[t.Seconds]
+    """of Drake; a divisor of env.physics.timestep"""
+    frictions: t.Falling[t.Some[t.Positive[t.Factor]]]
+    """of feet and floor, in place of robot.contact.friction, until the robots fall"""
+    friction_controllers: t.Distinct[t.Some[t.Name]]
+    """of ``protocol``, those that walk on these"""
+    friction_speed: t.Positive[t.MetresPerSecond]
+    """commanded forward velocity there"""
+
+
 class RangeConfig(t.Group):
     """What a setting is drawn from; the present value belongs to it."""
 

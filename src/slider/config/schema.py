@@ -11,6 +11,7 @@ from slider.config.evaluation import (
     EvaluationConfig,
     GaugeConfig,
     ReportConfig,
+    SecondEngineConfig,
     SeedsConfig,
     SpeedsConfig,
     TuningConfig,
@@ -151,6 +152,7 @@ class Config(t.Group):
     seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
+    second_engine: SecondEngineConfig
     gauge: GaugeConfig
     tuning: TuningConfig
     verification: VerificationConfig
@@ -165,6 +167,7 @@ class Config(t.Group):
     def evaluations(self) -> dict[str, EvaluationConfig]:
         """Protocols by their keys."""
         others = {f"protocols.{name}": protocol for name, protocol in self.protocols.items()}
+        others["second_engine.protocol"] = self.second_engine.protocol
         return {"evaluation": self.evaluation, **others}
 
     @property

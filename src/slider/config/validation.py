@@ -57,6 +57,7 @@ def validate(config: Config) -> None:
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
         _protocol(protocol, config, key)
+    _second_engine(config)
     _gauge(config)
     _tuning(config)
     steps = 1.0 / (config.env.control_period * config.report.video.frame_rate)
@@ -241,6 +242,16 @@ def _protocol(protocol: EvaluationConfig, config: Config, key: str) -> None:
         one_of(f"{key}.controllers", name.removesuffix(ONBOARD), (POLICY, *config.control))
     _warm_up(key, protocol.warm_up, protocol.duration, period)
     _disturbance(protocol, config.env, key)
+
+
+def _second_engine(config: Config) -> None:
+    """Whole steps of Drake in a step of MuJoCo, constant speeds, controllers of the protocol."""
+    engine, key = config.second_engine, "second_engine"
+    _multiple("env.physics.timestep", config.env.physics.timestep, engine.timestep)
+    constant = engine.protocol.profile is None
+    require(constant, f"{key}.protocol.profile", "null: constant speeds", "a profile")
+    for name in engine.friction_controllers:
+        one_of(f"{key}.friction_controllers", name, engine.protocol.controllers)
 
 
 def _gauge(config: Config) -> None:

@@ -1,5 +1,6 @@
 """The controllers of ``conf/control``: all that are not learned."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from slider.config.control import AnyControl, MpcConfig
@@ -49,9 +50,11 @@ def build_plant(
     count: int,
     disturbance: Disturbance | None = None,
     threads: int = 1,
+    engine: Callable[..., BatchedPhysics] = BatchedPhysics,
 ) -> BatchedPhysics:
     """The simulation on torque drives, stepped from one control tick to the next."""
     settings = replace(plant.physics, substeps=control.substeps)
-    return BatchedPhysics(
-        robot, settings, count, threads, "torque", disturbance, onboard=plant.estimation
+    onboard = plant.estimation
+    return engine(
+        robot, settings, count, threads, "torque", disturbance=disturbance, onboard=onboard
     )

@@ -3,7 +3,7 @@
 It fixes plant, starts, velocities, terminations, disturbances and records.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -30,6 +30,9 @@ from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
 
+Engine = Callable[..., BatchedPhysics]
+"""Makes the robots' physics, with the arguments of ``BatchedPhysics``."""
+
 
 class Simulated(NamedTuple):
     """A controller, its N robots in physics, and the control period and terminations."""
@@ -39,7 +42,9 @@ class Simulated(NamedTuple):
     env: EnvConfig | PlantConfig
 
 
-def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+def run(
+    section: Section, inputs: Inputs, out: Path, job: Job, engine: Engine = BatchedPhysics
+) -> Summary:
     """Roll a controller out and write per-robot records and mean velocity traces.
 
     All trials and robots of one command, ``speed`` [m/s], or of one ``case`` of a profile, for
@@ -51,7 +56,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     case = from_dict(CaseConfig, section["case"]) if section.get("case") else None
     start, command = at_speeds(robot, config, [speed or 0.0])
     disturbance = Disturbance(config.disturbance, tuple(seeds_of(config)))
-    simulated = simulate(section, inputs, len(command), disturbance, job.threads)
+    simulated = simulate(section, inputs, len(command), disturbance, job.threads, engine)
     if case is not None:
         ramp, period = profile_of(config).ramp, simulated.env.control_period
         values = segments.velocities(case, ramp, config.duration, period)
@@ -122,6 +127,7 @@ def simulate(
     count: int,
     disturbance: Disturbance,
     threads: int = 1,
+    engine: Engine = BatchedPhysics,
 ) -> Simulated:
     """A controller of ``conf/control``, or the policy of the walking stage, on ``count`` robots.
 
@@ -138,7 +144,7 @@ def simulate(
     if "control" in section:
         plant = from_dict(PlantConfig, section["plant"])
         config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
-        physics = build_plant(robot, plant, config, count, disturbance, threads)
+        physics = build_plant(robot, plant, config, count, disturbance, threads, engine)
         gaits = None
         if "foot_placement" in inputs:
             folders = inputs["library"][0], inputs["foot_placement"][0]
@@ -148,7 +154,7 @@ def simulate(
     env = from_dict(EnvConfig, section["env"])
     policy = load_policy(inputs["walking"][0] / POLICY_FILE)
     agent = agent_of(policy, policy.robot, env, count)
-    physics = BatchedPhysics(
+    physics = engine(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
     return Simulated(PolicyController(policy.network, agent), physics, env)

@@ -1,0 +1,205 @@
+"""Drake's model of a robot on flat ground, made from the numbers of its compiled MuJoCo model.
+
+Masses, axes, limits and drives are read from MuJoCo's arrays, not from the robot's configuration.
+Two things have another form. A foot touches the ground by two spheres, the ends of its capsule. The
+armature of a tendon over slide and ankle is the reflected inertia of each joint: that of two equal
+motors of a capstan has no coupling term.
+"""
+
+# mujoco has no type stubs for its compiled part; drake is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from slider.core.errors import UserError
+from slider.robot import names
+
+try:
+    from pydrake.common.eigen_geometry import Quaternion
+    from pydrake.geometry import (
+        AddContactMaterial,
+        Box,
+        Capsule,
+        CollisionFilterDeclaration,
+        GeometrySet,
+        HalfSpace,
+        ProximityProperties,
+        Sphere,
+    )
+    from pydrake.math import RigidTransform, RotationMatrix
+    from pydrake.multibody import tree
+    from pydrake.multibody.plant import (
+        AddMultibodyPlant,
+        CoulombFriction,
+        MultibodyPlant,
+        MultibodyPlantConfig,
+    )
+    from pydrake.systems.primitives import Adder, MatrixGain, Saturation
+except ModuleNotFoundError as error:
+    message = "expected Drake, found none: pip install -e '.[drake]' -c constraints.txt"
+    raise UserError(message) from error
+
+_GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
+
+
+class Motors(NamedTuple):
+    """Motors of the compiled model, in its order.
+
+    Attributes:
+        matrix: motor angles per joint position (10, 12).
+        kp, kd: of the position loops (10,) [N m/rad], [N m s/rad]; zero for torque inputs.
+        stall, speed: torque [N m] and speed [rad/s] at which the torque-speed line ends (10,).
+        limit: of the torque (10,) [N m].
+    """
+
+    matrix: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    stall: np.ndarray
+    speed: np.ndarray
+    limit: np.ndarray
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "Motors":
+        """DC motors of resistance R, constant K, voltage V: stall torque K V / R, speed V / K."""
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        matrix = np.zeros((model.nu, model.nv))
+        moment = data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+        mujoco.mju_sparse2dense(matrix, *(values.ravel() for values in moment))
+        resistance, constant, _, _, kp, _, kd, voltage, *_ = model.actuator_gainprm.T
+        stall, speed = constant * voltage / resistance, voltage / constant
+        return cls(matrix[:, 6:], kp, kd, stall, speed, model.actuator_forcerange[:, 1])
+
+
+def add_drives(builder: Any, plant: Any, motors: Motors) -> tuple[Any, Any]:
+    """Drive a robot by its motors, whose position loops are explicit: once per step of the plant.
+
+    A motor's torque is that of its input, bounded by the torque-speed line and by its limit.
+
+    Returns:
+        Ports of the inputs (10,) [rad or N m] and of the torques (10,) [N m].
+    """
+
+    def add(system: Any, *sources: Any) -> Any:
+        builder.AddSystem(system)
+        for index, source in enumerate(sources):
+            builder.Connect(source, system.get_input_port(index))
+        return system.get_output_port()
+
+    none, state, count = np.zeros_like(motors.matrix), plant.get_state_output_port(), len(motors.kp)
+    kp, kd, slope = (x[:, None] for x in (motors.kp, motors.kd, motors.stall / motors.speed))
+    pad = np.zeros((count, 7)), np.zeros((count, 6))  # of the base
+    loop = np.hstack([pad[0], -kp * motors.matrix, pad[1], -kd * motors.matrix])
+    speed_line = np.hstack([pad[0], none, pad[1], -slope * motors.matrix])
+    scale = MatrixGain(np.diag(motors.kp if motors.kp.any() else np.ones(count)))
+    demanded, line = add(scale), add(MatrixGain(speed_line), state)
+    above = add(Adder(2, count), demanded, add(MatrixGain(loop - speed_line), state))
+    bounded = add(Saturation(-motors.stall, motors.stall), above)
+    torques = add(Saturation(-motors.limit, motors.limit), add(Adder(2, count), bounded, line))
+    builder.Connect(add(MatrixGain(motors.matrix.T), torques), plant.get_actuation_input_port())
+    return scale.get_input_port(), torques
+
+
+def add_robot(builder: Any, model: mujoco.MjModel, timestep: float) -> "MultibodyPlant":
+    """Add robot and ground in Drake's default contact settings, stepped by ``timestep`` [s].
+
+    The default is a point contact solved by SAP, its stiffness by a penetration of 1 mm.
+    """
+    plant, scene = AddMultibodyPlant(MultibodyPlantConfig(time_step=timestep), builder)
+    plant.mutable_gravity_field().set_gravity_vector(model.opt.gravity)
+    bodies = [plant.world_body()]
+    for index in range(1, model.nbody):
+        bodies.append(plant.AddRigidBody(model.body(index).name, _inertia(model, index)))
+        _add_joint(plant, model, bodies[model.body_parentid[index]], bodies[index], index)
+    _add_geometry(plant, scene, model, bodies)
+    plant.Finalize()
+    return plant
+
+
+def _inertia(model: mujoco.MjModel, body: int) -> "tree.SpatialInertia":
+    turn = RotationMatrix(Quaternion(_unit(model.body_iquat[body])))
+    central = tree.RotationalInertia(*model.body_inertia[body]).ReExpress(turn)
+    mass, place = model.body_mass[body], model.body_ipos[body]
+    return tree.SpatialInertia.MakeFromCentralInertia(mass, place, central)
+
+
+def _add_joint(plant: Any, model: mujoco.MjModel, parent: Any, child: Any, body: int) -> None:
+    """The only joint of a body; all but the root have an actuator, which brings the armature."""
+    joint = model.body_jntadr[body]
+    name, frames = model.joint(joint).name, (parent.body_frame(), child.body_frame())
+    if model.jnt_type[joint] == _JOINT.mjJNT_FREE:
+        plant.AddJoint(tree.QuaternionFloatingJoint(name, *frames))
+        return
+    turn = RotationMatrix(Quaternion(_unit(model.body_quat[body])))
+    place = RigidTransform(turn, model.body_pos[body])
+    there = RigidTransform(model.jnt_pos[joint])
+    frames = (
+        plant.AddFrame(tree.FixedOffsetFrame(f"{name}_{end}", frame, pose))
+        for end, frame, pose in zip(("on", "at"), frames, (place @ there, there), strict=True)
+    )
+    dof = model.jnt_dofadr[joint]
+    kind = model.jnt_type[joint] == _JOINT.mjJNT_SLIDE
+    added = (tree.PrismaticJoint if kind else tree.RevoluteJoint)(
+        name, *frames, model.jnt_axis[joint], damping=model.dof_damping[dof]
+    )
+    lower, upper = model.jnt_range[joint]
+    added.set_position_limits([lower], [upper])
+    actuator = plant.AddJointActuator(name, plant.AddJoint(added))
+    actuator.set_default_rotor_inertia(model.dof_armature[dof] + _by_tendons(model, joint))
+
+
+def _by_tendons(model: mujoco.MjModel, joint: int) -> float:
+    """Inertia of the tendons over a joint [kg m², kg]."""
+    total = 0.0
+    for armature, start, count in zip(
+        model.tendon_armature, model.tendon_adr, model.tendon_num, strict=True
+    ):
+        wraps = slice(start, start + count)
+        crossed = model.wrap_objid[wraps] == joint
+        total += armature * float((model.wrap_prm[wraps][crossed] ** 2).sum())
+    return total
+
+
+def _add_geometry(plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[Any]) -> None:
+    """The parts that collide in MuJoCo with the ground or with each other; no others do."""
+    feet, shapes, grounded = {names.foot(side) for side in names.SIDES}, {}, []
+    for geom in range(model.ngeom):
+        name, body = model.geom(geom).name, bodies[model.geom_bodyid[geom]]
+        radius, half, depth = model.geom_size[geom]
+        turn = RotationMatrix(Quaternion(_unit(model.geom_quat[geom])))
+        pose, properties = RigidTransform(turn, model.geom_pos[geom]), ProximityProperties()
+        friction = model.geom_friction[geom, 0]
+        if name == names.FLOOR:  # Drake's friction of a pair is the harmonic mean
+            friction = model.geom(names.foot(names.SIDES[0])).friction[0]
+        AddContactMaterial(properties=properties, friction=CoulombFriction(friction, friction))
+        shape = {
+            _GEOM.mjGEOM_PLANE: lambda: HalfSpace(),
+            _GEOM.mjGEOM_SPHERE: lambda r=radius: Sphere(r),
+            _GEOM.mjGEOM_CAPSULE: lambda r=radius, h=half: Capsule(r, 2 * h),
+            _GEOM.mjGEOM_BOX: lambda s=(radius, half, depth): Box(*(2 * np.array(s))),
+        }[_GEOM(model.geom_type[geom])]()
+        shapes[geom] = plant.RegisterCollisionGeometry(body, pose, shape, name, properties)
+        if name in feet:
+            for end, z in zip(names.FOOT_ENDS, (-half, half), strict=True):
+                tip = pose @ RigidTransform([0.0, 0.0, z])
+                sphere, title = Sphere(radius), f"{name}_{end}"
+                args = body, tip, sphere, title, properties
+                grounded.append(plant.RegisterCollisionGeometry(*args))
+        elif model.geom_conaffinity[geom]:
+            grounded.append(shapes[geom])
+    filters, floor = scene.collision_filter_manager(), shapes[model.geom(names.FLOOR).id]
+    everything = GeometrySet([*shapes.values(), *grounded])
+    filters.Apply(CollisionFilterDeclaration().ExcludeWithin(everything))
+    pairs = [(GeometrySet(floor), GeometrySet(grounded))]
+    for first, second in zip(model.pair_geom1, model.pair_geom2, strict=True):
+        pairs.append((GeometrySet(shapes[first]), GeometrySet(shapes[second])))
+    for pair in pairs:
+        filters.Apply(CollisionFilterDeclaration().AllowBetween(*pair))
+
+
+def _unit(quaternion: np.ndarray) -> np.ndarray:
+    return quaternion / np.linalg.norm(quaternion)

@@ -1,0 +1,124 @@
+"""Drake's model of the robot: its audit finds what is changed, and robots stand and fall in it."""
+
+import copy
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pydrake", reason="Drake is not installed: pip install -e '.[drake]'")
+
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.disturbance import Disturbance
+from slider.env.drake import DrakePhysics, DrakeRobot
+from slider.env.physics import BatchedPhysics
+from slider.env.starts import at_rest
+from slider.evaluation import drake
+from slider.evaluation.results import Evaluation
+from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from tests.env.synthetic import config
+from tests.evaluation.test_stage import section
+
+STEP = 0.001
+
+
+@pytest.fixture(scope="module")
+def model():
+    whole = config()
+    model = build_model(whole.robot, SimulationOptions.of(whole.env.physics))
+    model.opt.timestep = STEP
+    return model
+
+
+def audit(model, built):
+    return drake.audit(model, DrakeRobot(built, STEP), nominal_qpos(config().robot))
+
+
+def test_the_model_has_mujocos_numbers(model):
+    found = {row["quantity"]: row["difference"] for row in audit(model, model)}
+    assert found["mass matrix"] < 1e-13
+    assert found["bias force"] < 1e-12
+    assert found["standing"] < 1e-3
+
+
+def inertia(model):
+    model.body_inertia[model.body("left_foot").id, 1] *= 1.01
+
+
+def limit(model):
+    model.jnt_range[model.joint("right_ankle").id, 1] += 0.01
+
+
+def axis(model):
+    model.jnt_axis[model.joint("left_hip_roll").id] *= -1
+
+
+def unequal_motors(model):
+    model.tendon_armature[0] *= 1.5
+
+
+def friction(model):
+    model.geom_friction[model.geom("left_foot").id, 0] = 0.5
+
+
+def drum(model):
+    model.wrap_prm[model.wrap_objid == model.joint("right_slide").id] *= 1.02
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (inertia, "inertia of left_foot"),
+        (limit, "range of right_ankle"),
+        (axis, "axis of left_hip_roll"),
+        (unequal_motors, "armature of left_slide"),
+        (friction, "friction of left_foot, heel"),
+        (drum, "motor torque of right_leg_1"),
+    ],
+)
+def test_the_audit_names_what_is_changed(model, change, named):
+    changed = copy.copy(model)
+    change(changed)
+    with pytest.raises(UserError, match=rf"[:;] {named} differs by"):
+        audit(model, changed)
+
+
+def test_motors_of_a_capstan_that_differ_are_refused(model):
+    """Their inertia couples slide and ankle, which Drake's joints do not."""
+    changed = copy.copy(model)
+    unequal_motors(changed)
+    with pytest.raises(UserError, match="armature of left_slide differs by"):
+        audit(changed, changed)
+
+
+def test_onboard_state_and_loads_are_those_of_mujoco(model):
+    whole = config("env.sensing=onboard")
+    starts = at_rest(whole.robot, whole.evaluation.start, np.random.default_rng(1), 2)
+    seen = []
+    for engine in (BatchedPhysics, DrakePhysics):
+        physics = engine(whole.robot, whole.env.physics, 2, onboard=whole.env.estimation)
+        physics.restart_disturbances()
+        physics.reset(np.arange(2), *starts)
+        for _ in range(25):
+            physics.step(np.tile(physics.nominal[7:], (2, 1)))
+            measured = physics.measure(physics.read())
+        load = physics.loads()
+        seen.append((physics.qpos, measured.base_height, measured.foot_forces, load.effort_share))
+    for mine, other, within in zip(*seen, (0.02, 3e-3, 5.0, 0.02), strict=True):
+        np.testing.assert_allclose(mine, other, atol=within)
+
+
+def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path):
+    whole = config("experiment=test")
+    random = section(duration=2.0) | {"drake_step": STEP}
+    from tests.control.policies import write_policy
+
+    write_policy(tmp_path / "policy.pt")
+    (tmp_path / "out").mkdir()
+    job = Job(tmp_path / "work")
+    summary = drake.run(random, {"walking": [tmp_path]}, tmp_path / "out", job)
+    assert summary["success_rate"] == 0.0
+    assert not Evaluation.load(tmp_path / "out").robots.survived.any()
+    pushed = config("evaluation/disturbance=robust").evaluation.disturbance
+    with pytest.raises(UserError, match=r"^evaluation\.disturbance: expected nominal robots"):
+        DrakePhysics(whole.robot, whole.env.physics, 1, disturbance=Disturbance(pushed, (0,)))

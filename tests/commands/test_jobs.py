@@ -1,9 +1,12 @@
 """What the pipeline calls: a job checks its recipe, a report is copied whole or not at all."""
 
+from unittest.mock import Mock
+
 import pytest
 
 from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import Code
+from slider.artefacts.runner import Runner
 from slider.cli import main
 from slider.core import files
 from tests.artefacts.samples import compute, damage
@@ -19,6 +22,14 @@ def test_a_recipe_that_does_not_fit_its_job_is_refused(tmp_path, refused):
     named.write_text(text)
     line = refused("run", other, "--plan", str(named), "--artefacts", str(tmp_path))
     assert line == f"slider: expected a recipe of {named}, found {other}"
+
+
+def test_a_job_without_memory_is_one_line(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(Runner, "run", Mock(side_effect=MemoryError))
+    path = write_plan(build_plan({"table1": JOB}), tmp_path)
+    assert main(["run", JOB.recipe, "--plan", str(path), "--artefacts", str(tmp_path)]) == 1
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith("slider: a gait: expected more memory, found: none; results and")
 
 
 @pytest.mark.parametrize("damaged", [False, True])

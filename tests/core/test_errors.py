@@ -1,15 +1,19 @@
-"""Errors of full and read-only disks become a line, others do not."""
+"""Errors of full and read-only disks and of little memory become a line, others do not."""
 
 import errno
 import os
 import resource
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import casadi
+import numpy as np
 import pytest
+import torch
 
-from slider.core.errors import not_written
+from slider.core.errors import no_memory, not_written
 from slider.core.files import write_atomic
 
 PLACE = Path("artefacts")
@@ -79,3 +83,27 @@ def during(error: OSError) -> KeyError:
 )
 def test_other_errors_are_left_alone(error):
     assert not_written(error, PLACE) is None
+    assert no_memory(error) is None
+
+
+def memory_error(allocate: Callable[[int], object]) -> Exception:
+    """What a library raises where the system gives it no more memory."""
+    size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (size + 2**26, before[1]))
+    try:
+        allocate(10**9)
+    except Exception as error:
+        return error
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+    raise AssertionError("there was enough memory")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a limit that Linux obeys")
+@pytest.mark.parametrize("allocate", [bytes, np.zeros, torch.zeros, casadi.DM.zeros])
+def test_whoever_gets_no_memory_the_line_says_so_and_what_is_kept(allocate):
+    line = str(no_memory(memory_error(allocate)))
+    assert line.startswith("expected more memory, found: ")
+    assert "; results and checkpoints are kept, the same command again " in line
+    assert "\n" not in line

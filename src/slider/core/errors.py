@@ -52,6 +52,9 @@ _SHORT = re.compile(
     r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
 )
 
+# What torch, CasADi, MuJoCo and CUDA say instead of a MemoryError.
+_NO_MEMORY = re.compile(r"(can't|not) allocate memory|bad_alloc|out of memory", re.IGNORECASE)
+
 
 def is_read_only(error: BaseException) -> bool:
     """Tell whether something may be read but not written."""
@@ -72,6 +75,18 @@ def not_written(error: BaseException, place: Path) -> UserError | None:
                 return UserError(f"expected to write {where or place}, found: {cause.strerror}")
         if _SHORT.search(str(cause)):
             return UserError(f"expected to write {place}, found: No space left on device")
+    return None
+
+
+def no_memory(error: BaseException) -> UserError | None:
+    """Line about an error of whoever got no memory; None for other errors."""
+    for cause in _chain(error):
+        if isinstance(cause, MemoryError) or _NO_MEMORY.search(str(cause)):
+            found = next(iter(str(cause).splitlines()), "") or "none"
+            return UserError(
+                f"expected more memory, found: {found}; results and checkpoints are kept, "
+                "the same command again goes on from there"
+            )
     return None
 
 

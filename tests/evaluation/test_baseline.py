@@ -42,13 +42,13 @@ def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, spe
     """A command of 0.2 m/s; the literal settings take it as the speed at the end of a step."""
     summary = run(tmp_path / "out", controller, duration=4.0, warm_up=2.4)
     found = Evaluation.load(tmp_path / "out")
-    assert len(found.robots.survived) == 6
+    assert len(found.robots) == 6
     assert summary["success_rate"] == 1.0
     assert summary["controller"] == found.controller == controller
-    np.testing.assert_allclose(found.robots.columns["mean_velocity"], speed, atol=0.03)
-    np.testing.assert_array_equal(found.robots.columns["alternation"], 1.0)
+    np.testing.assert_allclose(found.robots["mean_velocity"], speed, atol=0.03)
+    np.testing.assert_array_equal(found.robots["alternation"], 1.0)
     step = config(*PROTOCOL).control[controller].step
-    np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
+    np.testing.assert_allclose(found.robots["touchdown_rate"], 1 / step.time, atol=0.7)
 
 
 def test_walks_disturbed_robots(tmp_path):

@@ -118,7 +118,7 @@ def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path
     job = Job(tmp_path / "work")
     summary = drake.run(random, {"walking": [tmp_path]}, tmp_path / "out", job)
     assert summary["success_rate"] == 0.0
-    assert not Evaluation.load(tmp_path / "out").robots.survived.any()
+    assert not Evaluation.load(tmp_path / "out").robots["survived"].any()
     pushed = config("evaluation/disturbance=robust").evaluation.disturbance
     with pytest.raises(UserError, match=r"^evaluation\.disturbance: expected nominal robots"):
         DrakePhysics(whole.robot, whole.env.physics, 1, disturbance=Disturbance(pushed, (0,)))

@@ -5,26 +5,27 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slider.core.errors import UserError
 from slider.env.metrics import EstimateError, GaitQuality, Tracking
 from slider.evaluation import results, segments
-from slider.evaluation.results import Evaluation, Robots, Z, wilson
+from slider.evaluation.results import Evaluation, Z, wilson
 from tests.evaluation.test_segments import case, protocol, recording
 
 
-def random_robots() -> Robots:
+def random_robots() -> pd.DataFrame:
     rng = np.random.default_rng(0)
     survived = np.array([True, True, False, True, False, True])
     exponents = range(-4, len(fields(GaitQuality)) + 3)
     numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
     tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
     quality, errors = GaitQuality(*numbers[7:]), EstimateError(*numbers[3:7])
-    return results.robots(2, 3, ~survived, tracked, quality, errors)
+    return results.robots_frame(2, 3, ~survived, tracked, quality, errors)
 
 
-def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
+def make_robots(survived: list[list[int]], error: list[list[float]]) -> pd.DataFrame:
     """Trials (rows) of robots (columns); steady errors are a tenth, the first robot tracks."""
     alive = np.array(survived, dtype=bool)
     errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
@@ -32,12 +33,12 @@ def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
     tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
     quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
     estimate = EstimateError(*(errors * k for k in range(4)))
-    return results.robots(
+    return results.robots_frame(
         *alive.shape, np.zeros(alive.size, dtype=bool), tracking, quality, estimate
     )
 
 
-def write_evaluation(folder: Path, command: float, found: Robots) -> Path:
+def write_evaluation(folder: Path, command: float, found: pd.DataFrame) -> Path:
     folder.mkdir(parents=True)
     Evaluation("policy", command, found).save(folder)
     return folder
@@ -46,26 +47,23 @@ def write_evaluation(folder: Path, command: float, found: Robots) -> Path:
 def changing() -> Evaluation:
     """In a case with three segments."""
     rollout = recording()
-    found = tuple(segments.measure(rollout, protocol(), case()))
+    found = segments.measure(rollout, protocol(), case())
     traces = segments.traces(rollout, protocol())
     velocity = np.ones((5, 2), dtype=np.float32)
     return Evaluation("policy", None, random_robots(), velocity, "tour", found, traces)
 
 
 @pytest.mark.parametrize(
-    "written", [replace(changing(), speed=0.2, case="", segments=(), traces=None), changing()]
+    "written", [replace(changing(), speed=0.2, case="", segments=None, traces=None), changing()]
 )
 def test_save_then_load(tmp_path, written):
     written.save(tmp_path)
     back = Evaluation.load(tmp_path)
-    assert tuple(back.robots.columns) == results.COLUMNS == tuple(written.robots.columns)
-    pairs = [(back.robots, written.robots)]
-    pairs += zip(back.segments, written.segments, strict=True)
-    for found, expected in pairs:
-        for name, values in expected.columns.items():
-            column = found.columns[name]
-            np.testing.assert_allclose(column, values, rtol=1e-8, atol=1e-12, err_msg=name)
-            assert (column.dtype == bool) == (values.dtype == bool), name
+    assert tuple(back.robots) == results.COLUMNS == tuple(written.robots)
+    pd.testing.assert_frame_equal(back.robots, written.robots, rtol=1e-8, atol=1e-12)
+    assert (back.segments is None) == (written.segments is None)
+    if back.segments is not None:
+        pd.testing.assert_frame_equal(back.segments, written.segments, rtol=1e-8, atol=1e-12)
     assert (back.controller, back.speed, back.case) == ("policy", written.speed, written.case)
     np.testing.assert_array_equal(back.velocity, written.velocity)
     np.testing.assert_equal(back.traces, written.traces)
@@ -94,13 +92,13 @@ def test_numbers_by_hand():
     """Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6."""
     found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
     low, high = wilson(5, 8)  # robots, not trials
-    assert found.success() == {
+    assert results.success(found) == {
         "success_rate": pytest.approx(5 / 8),
         "success_rate_std": pytest.approx(0.25 / np.sqrt(2)),
         "success_low": low,
         "success_high": high,
     }
-    assert found.accuracy() == {
+    assert results.accuracy(found) == {
         "tracking_rate": pytest.approx(2 / 8),
         "tracking_rate_std": 0.0,
         "mse": pytest.approx((1 + 2 + 3 + 4 + 8) / 5),
@@ -108,15 +106,17 @@ def test_numbers_by_hand():
         "mse_steady": pytest.approx(0.36),
         "mse_steady_std": pytest.approx(0.4 / np.sqrt(2)),
     }
-    assert found.mean("mean_velocity") == pytest.approx(4.6)
+    assert results.means(found, ["mean_velocity"])["mean_velocity"] == pytest.approx(4.6)
 
 
 def test_none_survives():
     found = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
-    success, rates = found.success(), found.accuracy()
+    success, rates = results.success(found), results.accuracy(found)
     assert success["success_rate"] == success["success_rate_std"] == 0.0
     assert rates["mse"] == rates["mse_steady"] == float("inf")
-    assert np.isnan([rates["mse_std"], rates["mse_steady_std"], found.mean("slip")]).all()
+    assert np.isnan(
+        [rates["mse_std"], rates["mse_steady_std"], results.quality(found)["slip"]]
+    ).all()
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def recording() -> Recording:
 def measured(rollout: Recording) -> dict[str, np.ndarray]:
     """Measures (3, N) of the three segments."""
     found = segments.measure(rollout, protocol(), case())
-    return {name: np.stack([s.columns[name] for s in found]) for name in found[0].columns}
+    return {name: found[name].to_numpy().reshape(3, COUNT) for name in found}
 
 
 def test_measures_by_hand():

@@ -49,7 +49,7 @@ def run(walking, out, seconds: float = 0.6, speed: float = 0.2, **changes):
     summary = stage.run(
         section(speed, duration=seconds, **changes), {"walking": [walking]}, out, job
     )
-    return summary, Evaluation.load(out).robots.columns
+    return summary, Evaluation.load(out).robots
 
 
 def test_the_summary_is_that_of_the_robots(walking, tmp_path):
@@ -128,7 +128,7 @@ def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     assert summary["speed"] is None
     found = Evaluation.load(tmp_path)
     assert found.case == case.name
-    assert [len(s.survived) for s in found.segments] == 2 * [whole.trials * whole.robots]
+    assert [*found.segments.groupby("segment").size()] == 2 * [whole.trials * whole.robots]
     assert found.traces.shape == (60, 10)
     np.testing.assert_allclose(found.traces[-1, :3], [0.4, 0.1, 0.3], atol=1e-7)
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable
 
+from slider.core.tables import Table, markdown
 
-def tables(parts: Iterable[str]) -> dict[str, list[list[str]]]:
+
+def tables(parts: Iterable[str | Table]) -> dict[str, list[list[str]]]:
     """Headings and rows of each Markdown table, by the heading above it."""
     found, title = {}, ""
-    for line in "\n\n".join(parts).splitlines():
+    for line in markdown(parts).splitlines():
         if line.startswith("## "):
             title = line.removeprefix("## ")
         if line.startswith("| "):

@@ -1,12 +1,13 @@
 """The gauge's table: highest levels, the number, and its files, from counts made by hand."""
 
 import numpy as np
+import pandas as pd
 
 from slider.config.convert import to_dict
 from slider.core.job import Job
+from slider.core.tables import read, write
 from slider.reports import gauge
-from slider.reports.gauge import NUMBER, gauge_rows, highest_level
-from slider.reports.rows import Row, read, write
+from slider.reports.gauge import NUMBER, gauge_frame, highest_level
 from tests.env.synthetic import config
 
 LABELS = {"policy": "policy (ours)", "hzd": "HZD"}
@@ -16,18 +17,19 @@ def test_the_highest_level_has_no_bad_one_below():
     assert highest_level([1.0, 0.9, 0.89, 1.0], 0.9) == 2
 
 
-def cells(passed: dict[int, list[float]], directions=(np.nan,)) -> list[Row]:
+def cells(passed: dict[int, list[float]], directions=(np.nan,)) -> pd.DataFrame:
     """Of ten robots per speed, level and direction."""
-    return [
+    rows = [
         {"level": level, "value": 2.5 * level, "direction": direction, "speed": speed, "seed": 0}
         | {"robots": 10, "survived": 10, "passed": count, "mean_velocity": speed}
         for level, counts in passed.items()
         for speed, count in zip((0.4, 0.8), counts, strict=True)
         for direction in directions
     ]
+    return pd.DataFrame(rows)
 
 
-def both() -> dict[tuple[str, str], list[Row]]:
+def both() -> dict[tuple[str, str], pd.DataFrame]:
     pushed = cells({1: [10, 10], 2: [8, 10], 3: [0, 0]}, (0.0, np.pi / 2, np.pi, 3 * np.pi / 2))
     return {
         ("policy", "slope_up"): cells({1: [10, 10], 2: [8, 10], 3: [10, 7]}),
@@ -37,16 +39,12 @@ def both() -> dict[tuple[str, str], list[Row]]:
     }
 
 
-def joined() -> list[Row]:
-    return [
-        {"controller": controller, "axis": axis} | row
-        for (controller, axis), table in both().items()
-        for row in table
-    ]
+def joined() -> pd.DataFrame:
+    return pd.concat(both(), names=["controller", "axis"]).reset_index(["controller", "axis"])
 
 
 def test_levels_magnitudes_and_numbers():
-    rows = gauge_rows(joined(), LABELS, 0.9)
+    rows = gauge_frame(joined(), LABELS, 0.9).to_dict("records")
     found = [(row["controller"], row["axis"], row["level"], row["magnitude"]) for row in rows]
     assert found == [
         ("policy", "slope_up", 2, "6.25°"),
@@ -58,7 +56,7 @@ def test_levels_magnitudes_and_numbers():
     ]
     assert [rows[0][f"pass_{level}"] for level in (1, 2, 3)] == [1.0, 0.9, 0.85]
     assert np.isnan(rows[3]["pass_2"])
-    assert gauge_rows(joined(), LABELS, 0.95)[0]["level"] == 1
+    assert gauge_frame(joined(), LABELS, 0.95)["level"][0] == 1
 
 
 def test_files(tmp_path):

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 
 from slider.core.job import Job
 from slider.reports import page
@@ -73,15 +74,16 @@ def row(speed: float, success: float, error: float) -> dict:
 
 
 def test_the_finding_has_the_worst_numbers_and_the_papers():
-    rows = [row(0.2, 1.0, 0.001), row(3.0, 0.998, 0.0123), *paper_rows()]
-    sentence = page.finding(rows)
+    ours = pd.DataFrame([row(0.2, 1.0, 0.001), row(3.0, 0.998, 0.0123)])
+    sentence = page.finding(pd.concat([ours, paper_rows()], ignore_index=True))
     for part in ("**99.8 %**", "**0.0123 m²/s²**", "up to 3.0 m/s (guided RL (paper): 73.1 %"):
         assert part in sentence
 
 
 def test_the_overview_draws_every_controller_and_leaves_infinite_errors_out():
+    frame = pd.DataFrame([row(0.2, 1.0, 0.001), row(3.0, 0.5, np.inf)])
     with style():
-        success, errors = draw_overview([row(0.2, 1.0, 0.001), row(3.0, 0.5, np.inf)]).axes
+        success, errors = draw_overview(frame).axes
     np.testing.assert_allclose(success.lines[0].get_ydata(), [100, 50])
     np.testing.assert_array_equal(errors.lines[0].get_ydata(), [0.001, np.nan])
 

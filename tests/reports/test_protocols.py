@@ -5,12 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.evaluation import velocity_tracking
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
+from slider.core import tables
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.metrics import tracking
@@ -18,14 +20,14 @@ from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
-from slider.reports import protocols, rows
+from slider.reports import protocols
 from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_tracking
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
 from tests.evaluation.test_results import make_robots, random_robots
 from tests.evaluation.test_segments import case, protocol, recording
-from tests.reports.sources import tables
+from tests.reports.sources import tables as tables_of
 
 LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
@@ -79,7 +81,7 @@ def write_all(folder: Path, evaluations: list[Evaluation]) -> tuple[list[Path], 
 def report_cases(folder: Path, alive: list[bool]):
     protocol, evaluations = cases_protocol(), []
     for one in (STOP, SIDE):
-        robots = tuple(segments.measure(case_recording(one, np.array(alive)), protocol, one))
+        robots = segments.measure(case_recording(one, np.array(alive)), protocol, one)
         found = Evaluation("policy", None, random_robots(), case=one.name, segments=robots)
         evaluations.append(found)
     return report(folder, "heldout", protocol, evaluations)
@@ -136,7 +138,7 @@ def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path)
 
 def report_segments(folder: Path):
     rollout = recording()
-    found = tuple(segments.measure(rollout, protocol(), case()))
+    found = segments.measure(rollout, protocol(), case())
     traces = segments.traces(rollout, protocol())
     evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
     return report(folder, "joystick", protocol(), [replace(evaluation, traces=traces)])
@@ -178,7 +180,7 @@ def test_speeds(tmp_path):
 def test_the_highest_tracked_speed():
     shares = {0.2: 1.0, 2.2: 0.9, 3.0: 0.89}
     rows = [{"controller": "p", "speed": v, "tracking_rate": share} for v, share in shares.items()]
-    assert protocols.highest_tracked(rows) == {"p": 2.2}
+    assert protocols.highest_tracked(pd.DataFrame(rows)) == {"p": 2.2}
 
 
 TRACE = np.array([[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]], dtype=np.float32)
@@ -187,8 +189,10 @@ TRACE = np.array([[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]], dtype=np.float32)
 def report_tracking(folder: Path, *controllers: str) -> Path:
     """The stage's files; nobody survives with the controller ``mpc``."""
     evaluations = [
-        Evaluation(name, 0.4, make_robots([[name != "mpc"] * 2], [[1.0, 2.0]]), TRACE)
-        for name in controllers
+        Evaluation(
+            name, 0.4, make_robots([[walks] * 2], [[1.0, 2.0]]), TRACE if walks else np.nan * TRACE
+        )
+        for name, walks in ((name, name != "mpc") for name in controllers)
     ]
     inputs, out = write_all(folder, evaluations)
     section = {"speeds": [0.4, 3.0], "control_period": 0.02, "labels": LABELS, "robot": "mine"}
@@ -199,11 +203,11 @@ def report_tracking(folder: Path, *controllers: str) -> Path:
 def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     out = report_tracking(tmp_path, "policy", "mpc")
     name = protocols.TRACKING
-    ours, others = rows.by(rows.read(out / f"{name}.csv"), "label").values()
-    found = [[row[name] for name in ("mean_velocity", "mean_velocity_spread")] for row in ours]
-    assert [row["time"] for row in ours] == [0.02, 0.04, 0.06]
-    assert found == [[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]]
-    assert np.isnan([row["mean_velocity"] for row in others]).all()  # nobody survived
+    frame = tables.read(out / f"{name}.csv")
+    (_, ours), (_, others) = frame.groupby("label", sort=False)
+    found = ours[["time", "mean_velocity", "mean_velocity_spread"]].to_numpy().tolist()
+    assert found == [[0.02, 0.1, 0.01], [0.04, 0.3, 0.02], [0.06, 0.4, 0.0]]
+    assert others["mean_velocity"].isna().all()  # nobody survived
     text = (out / f"{name}.md").read_text()
     assert "Not drawn: 3.0 m/s, not evaluated in this run." in text
     assert "Not drawn: no survivors with MPC + WBC at 0.4 m/s." in text
@@ -252,5 +256,5 @@ def test_mean_speeds_have_their_spread_between_robots(tmp_path):
     _, _, out = report_speeds(tmp_path)
     text = (out / "sweep.md").read_text()
     assert "![Sweep](figures/sweep.svg)" in text
-    found = tables([text])["Mean speed [m/s]"]
+    found = tables_of([text])["Mean speed [m/s]"]
     assert found[1:] == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]

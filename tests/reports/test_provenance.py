@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from slider.core.job import Job
+from slider.core.tables import markdown
 from slider.reports.page import origins as provenance
 from tests.reports.sources import tables
 
@@ -29,7 +30,7 @@ def section(origins, times):
     found = list(provenance(given, folders, Path(), job, {}))
     head, *rows = tables(found[1:2])[""]
     assert head[0] == "stage"
-    return rows, " ".join(found)
+    return rows, markdown(found)
 
 
 def test_counts_what_this_pipeline_run_computed():

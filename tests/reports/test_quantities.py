@@ -2,10 +2,10 @@
 
 import math
 
+import pandas as pd
 import pytest
 
-from slider.reports.quantities import Quantity
-from slider.reports.rows import NAN
+from slider.core.quantities import Quantity
 from slider.reports.table1 import quality_tables
 
 PLAIN, SHARE, CENTI = Quantity("a", "m"), Quantity("b", "% of time", 100), Quantity("c", "cm", 100)
@@ -13,7 +13,7 @@ OURS = {"controller": "policy", "label": "policy (ours)"}
 TUNED = {"controller": "mpc_wbc_tuned", "label": "MPC + WBC, tuned"}
 ROWS = [
     OURS | {"speed": 0.2, "flight": 0.0244, "clearance": 0.09, "new": 1},
-    OURS | {"speed": 1.2, "flight": 1e-5, "clearance": NAN, "new": 2},
+    OURS | {"speed": 1.2, "flight": 1e-5, "clearance": math.nan, "new": 2},
     TUNED | {"speed": 0.2, "flight": 0, "clearance": 1, "new": 3},
 ]
 
@@ -45,7 +45,7 @@ def test_intervals_and_ranges():
 
 
 def test_no_number_of_the_quality_is_left_out():
-    ours, baseline = quality_tables(ROWS)
+    ours, baseline = quality_tables(pd.DataFrame(ROWS))
     assert list(ours.columns[1:]) == ["0.2", "1.2"]
     assert [[*row] for row in ours.rows] == [
         ["Flight [% of time]", "2.4", "< 0.1"],

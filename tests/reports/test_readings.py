@@ -9,8 +9,7 @@ from pipeline.targets import report_files
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.env import observations, rewards
-from slider.reports.page import in_effect, readings
-from slider.reports.page import read_statements as read
+from slider.reports.page import in_effect, read_statements, readings
 from tests.config.composed import CONF, composed
 from tests.reports.sources import tables
 
@@ -27,6 +26,10 @@ def cells(line: str) -> list[str]:
     # In a table a bar of the text is written with a backslash.
     text = line.strip().strip("|").replace("\\|", "\0").replace("`", "")
     return [cell.strip().replace("\0", "|") for cell in text.split("|")]
+
+
+def read() -> list[dict[str, str]]:
+    return read_statements().to_dict("records")
 
 
 def documented() -> list[list[str]]:

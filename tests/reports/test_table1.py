@@ -4,14 +4,14 @@ import csv
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slider.core.job import Job
-from slider.evaluation.results import QUALITY, Evaluation, Robots
+from slider.evaluation.results import QUALITY, quality
 from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports import table1
-from slider.reports.rows import NAN, quality_row
 from slider.reports.table1 import compare, comparisons
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
@@ -27,7 +27,7 @@ SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "slider"}
 
 
 def test_some_of_the_papers_numbers():
-    rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows()}
+    rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows().to_dict("records")}
     assert len(rows) == 14
     assert rows["guided_drl", 3.0].items() >= {"success_rate": 0.731, "mse": 1.6}.items()
     assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
@@ -78,17 +78,13 @@ def test_extremes_are_those_of_all_robots_that_survive():
     values = {"heading": (0.1, 0.3), "peak_effort": (0.5, 0.9), "peak_speed": (0.8, 0.2)}
     values |= {"slip": (0.02, 0.04), "leg_distance": (0.05, -0.01)}
     values |= {"legs_touch": (0.0, 0.2), "legs_cross": (0.1, 0.3)}
-    columns = table.columns | {name: np.array([*pair, np.nan]) for name, pair in values.items()}
-    row = quality_row(Evaluation("policy", 0.6, Robots(columns)))
+    columns = {name: np.array([*pair, np.nan]) for name, pair in values.items()}
+    row = quality(table.assign(**columns))
     expected = {"heading": 0.2, "heading_worst": 0.3, "peak_effort": 0.9, "peak_speed": 0.8}
     expected |= {"slip": 0.03, "leg_distance": -0.01, "legs_touch": 0.1, "robots_touch": 0.5}
     expected |= {"legs_cross": 0.2, "robots_cross": 1.0}
     assert {name: row[name] for name in expected} == pytest.approx(expected)
-    controller, _, command, *others = quality_row(
-        Evaluation("policy", 0.6, make_robots([[0]], [[1]]))
-    ).values()
-    assert (controller, command) == ("policy", 0.6)
-    assert np.isnan(others).all()
+    assert np.isnan([*quality(make_robots([[0]], [[1]])).values()]).all()
 
 
 def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path):
@@ -113,10 +109,10 @@ def row_of(controller, command, source="measured", **values):
     names = ("success_rate", "mse", "mse_steady", "tracking_rate")
     names = [*names, *(f"{name}_std" for name in names), "success_low", "success_high"]
     about = {"controller": controller, "label": f"{controller} of {source}", "source": source}
-    return dict.fromkeys(names, NAN) | about | {"speed": command} | values
+    return dict.fromkeys(names, math.nan) | about | {"speed": command} | values
 
 
-ROWS = [
+RECORDS = [
     row_of("policy", 1.0, success_rate=1, success_rate_std=0, mse=0.0246, mse_steady=0.00271),
     row_of("mpc_wbc_tuned", 1.0, success_rate=0.5, mse=0.5, mse_steady=0.4),
     row_of("policy", 0.2, success_rate=1, mse=0.001, mse_steady=0.0005),
@@ -124,6 +120,7 @@ ROWS = [
     row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221),
     row_of("mpc_wbc", 1.0, "paper", success_rate=0, mse=math.inf),
 ]
+ROWS = pd.DataFrame(RECORDS)
 
 
 def test_commands_are_sorted_and_all_who_share_the_best_value_are_marked():
@@ -136,18 +133,18 @@ def test_commands_are_sorted_and_all_who_share_the_best_value_are_marked():
 
 def test_an_error_of_few_survivors_is_not_the_best():
     for success, wins in ((0.001, False), (0.995, True)):
-        rows = [*ROWS, row_of("other", 1.0, success_rate=success, mse=1e-6)]
-        best = [cell.startswith("**") for cell in compare(rows, WHOLE).rows[1][1:]]
+        rows = [*RECORDS, row_of("other", 1.0, success_rate=success, mse=1e-6)]
+        best = [cell.startswith("**") for cell in compare(pd.DataFrame(rows), WHOLE).rows[1][1:]]
         assert best == [False, False, not wins, False, wins]
 
 
 def test_a_metric_that_the_paper_does_not_have_is_ours_alone():
-    rows = [row_of("policy", 1.0, tracking_rate=0.9), *ROWS[3:]]
-    assert compare(rows, TRACKING).columns[1:] == ["policy of measured"]
+    rows = [row_of("policy", 1.0, tracking_rate=0.9), *RECORDS[3:]]
+    assert compare(pd.DataFrame(rows), TRACKING).columns[1:] == ["policy of measured"]
 
 
 def test_nobody_is_best_where_nobody_survives():
-    rows = [row_of("policy", 1.0, mse=math.inf), ROWS[-1]]
+    rows = pd.DataFrame([row_of("policy", 1.0, mse=math.inf), RECORDS[-1]])
     assert not any("**" in cell for cell in compare(rows, WHOLE).rows[0])
 
 
@@ -162,13 +159,13 @@ def test_nobody_is_best_where_nobody_survives():
 )
 def test_prints_three_digits(value, spread, metric, text):
     cells = {metric: value, f"{metric}_std": spread}
-    assert compare([row_of("policy", 1.0, **cells)], metric).rows[0][1] == text
+    assert compare(pd.DataFrame([row_of("policy", 1.0, **cells)]), metric).rows[0][1] == text
 
 
 def test_success_has_its_interval_and_the_papers_has_none():
     rows = [row_of("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
     rows.append(row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
-    _, ours, papers = compare(rows, SUCCESS).rows[0]
+    _, ours, papers = compare(pd.DataFrame(rows), SUCCESS).rows[0]
     assert (ours, papers) == ("99.6 % [99.0, 99.8]", "**100.0 %**")
 
 

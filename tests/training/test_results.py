@@ -14,6 +14,6 @@ def test_checks_without_survivors_lack_columns_and_the_last_best_was_kept(tmp_pa
     assert_array_equal(found.checks["speed_error"], [np.nan, 0.1, 0.1])
     assert_array_equal(found.checks["flight"], [np.nan] * 3)
     assert found.kept == 10
-    assert not found.curve
+    assert found.curve.empty
     (tmp_path / "learning_curve.csv").write_text("iteration,Loss/a,Reward/b\n1,0.5,2\n2,,3\n")
     assert_array_equal(Training.load(tmp_path).curve["Loss/a"], [0.5, np.nan])

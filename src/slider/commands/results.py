@@ -7,7 +7,7 @@ or any Markdown report of ``reports/``, of which headings and tables are taken.
 import argparse
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,10 @@ from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
-from slider.core.tables import Table
+from slider.core.quantities import NONE, speed_text
+from slider.core.tables import Table, read
 from slider.reports.provenance import in_order, stage_title
-from slider.reports.quantities import NONE, PAPER, QUANTITIES, speed_text
-from slider.reports.rows import NAN, Row, by, distinct, read
+from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.table1 import METRICS
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
@@ -101,25 +101,26 @@ def across(
     paper's error stands at both of ours.
     """
 
-    def text(row: Row, name: str) -> str:
+    def text(row: Mapping[str, Any], name: str) -> str:
         quantity = QUANTITIES[name]
         if intervals and name == "success_rate":
-            ends = (row.get("success_low", NAN), row.get("success_high", NAN))
-            return quantity.between(row[name], *ends)
+            return quantity.between(row[name], row["success_low"], row["success_high"])
         if name == "success_rate" and row["tracking_rate"] < row[name]:
             return f"{quantity.text(row[name])} ({quantity.text(row['tracking_rate'])})"
         printed = row.get("source") == PAPER
         return QUANTITIES[name].text(row[(METRICS[name] or name) if printed else name])
 
-    rows = [row for row in read(report) if not controllers or row["controller"] in controllers]
-    speeds, body = distinct(rows, "speed"), []
+    frame = read(report)
+    if controllers:
+        frame = frame[frame["controller"].isin(controllers)]
+    speeds, body = np.sort(frame["speed"].unique()), []
     for name in names:
-        for (_, label), mine in by(rows, "controller", "label").items():
-            cells = {row["speed"]: text(row, name) for row in mine}
-            if any(cell != NONE for cell in cells.values()):
-                heading = QUANTITIES[name].heading
-                title = "" if body and heading in {line[0] for line in body} else heading
-                body.append([title, label, *(cells.get(value, "–") for value in speeds)])
+        title = QUANTITIES[name].heading
+        for (_, label), mine in frame.groupby(["controller", "label"], sort=False):
+            cells = {row["speed"]: text(row, name) for row in mine.to_dict("records")}
+            if set(cells.values()) != {NONE}:
+                body.append([title, label, *(cells.get(speed, NONE) for speed in speeds)])
+                title = ""
     return Table(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
 
 
@@ -131,13 +132,11 @@ def summary(report: Path) -> str:
     lines = across(_README, _COMPARED, report, intervals=False).splitlines()
     runs = report.with_name("seeds_runs.csv")
     if runs.is_file():
-        errors = [(row["seed"], row["speed"], row["mse_steady"]) for row in read(runs)]
-        ranges = []
-        for speed in distinct(read(report), "speed"):
-            mine = [error for _, at, error in errors if at == speed]
-            ends = (np.min(mine), np.max(mine)) if mine else ()
-            ranges.append("–".join(map(_two_digits, ends)))
-        seeds = ", ".join(f"{seed:g}" for seed in sorted({seed for seed, *_ in errors}))
+        errors = read(runs)
+        speeds = np.sort(read(report)["speed"].unique())
+        ends = errors.groupby("speed")["mse_steady"].agg(["min", "max"]).reindex(speeds)
+        ranges = ["–".join(map(_two_digits, pair[~np.isnan(pair)])) for pair in ends.to_numpy()]
+        seeds = ", ".join(f"{seed:g}" for seed in np.sort(errors["seed"].unique()))
         policy = next(i for i, line in enumerate(lines) if "MSE" in line)
         lines.insert(policy + 1, f"|  | policy (ours), seeds {seeds} | {' | '.join(ranges)} |")
     return "\n".join(lines)

@@ -1,7 +1,43 @@
-"""Tables of texts: rows of cells below headings, in Markdown and in LaTeX."""
+"""Frames in CSV files, tables of texts in Markdown and LaTeX, and documents of these.
 
-from collections.abc import Sequence
-from typing import NamedTuple
+A frame has a column for each quantity, in SI units, NaN where there is none; see
+:class:`slider.core.quantities.Quantity` for how its numbers are printed.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import pandas as pd
+
+from slider.core.errors import require
+
+
+def write(frame: pd.DataFrame, path: Path, digits: int = 6) -> None:
+    """Write CSV without the index; flags become 0 and 1."""
+    flags = dict.fromkeys(frame.select_dtypes(bool), int)
+    form = f"%.{digits}g"
+    frame.astype(flags).to_csv(path, index=False, float_format=form, lineterminator="\n")
+
+
+def read(
+    file: Path | IO[str], expected: Sequence[str] = (), flags: Sequence[str] = ()
+) -> pd.DataFrame:
+    """Read a file back: numbers, NaN for empty cells, texts, and columns ``flags`` as bool.
+
+    Raises:
+        UserError: the file has other columns than ``expected``, if any are.
+    """
+    frame = pd.read_csv(file, keep_default_na=False, na_values=[""], float_precision="round_trip")
+    possible = not expected or [*expected] == [*frame]
+    require(possible, str(file), f"the columns {','.join(expected)}", ",".join(frame))
+    return frame.astype(dict.fromkeys(flags, bool))
+
+
+def markdown(parts: Iterable["str | Table"]) -> str:
+    """Texts and tables below each other."""
+    texts = (part.markdown if isinstance(part, Table) else part for part in parts)
+    return "\n\n".join(text.strip("\n") for text in texts) + "\n"
 
 
 class Table(NamedTuple):

@@ -18,7 +18,9 @@ from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
 from slider.control.model_based import build_plant
 from slider.control.whole_body.controller import WalkingController
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.tables import Table
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.library.reader import STORE, GaitLibrary
@@ -89,9 +91,11 @@ def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 def _write(table: pd.DataFrame, steps: int, out: Path) -> None:
     """CSV of all gaits, and for people how many walk at each forward speed."""
-    table.to_csv(out / CSV, index=False, float_format="%.6g")
-    lines = [f"| vx [m/s] | gaits | walk {steps} steps | fewest steps |", "|---|---|---|---|"]
+    tables.write(table, out / CSV)
+    rows = []
     for vx, walked in table.groupby("vx")["walked"]:
         done = (walked >= steps).sum()
-        lines.append(f"| {vx:g} | {len(walked)} | {done} | {walked.min():g} |")
-    (out / MARKDOWN).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        rows.append([f"{vx:g}", f"{len(walked)}", f"{done}", f"{walked.min():g}"])
+    heads = ["vx [m/s]", "gaits", f"walk {steps} steps", "fewest steps"]
+    text = tables.markdown([Table(heads, rows)])
+    (out / MARKDOWN).write_text(text, encoding="utf-8")

@@ -21,6 +21,7 @@ from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.control.exported import load_exported
 from slider.control.policy import PolicyController
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
@@ -91,7 +92,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         tested += not failed
         failed = failed or passed == 0
     table = pd.DataFrame(rows, columns=list(COLUMNS))
-    table.to_csv(out / CSV, index=False, float_format="%.6g")
+    tables.write(table, out / CSV)
     return {"levels": tested}
 
 

@@ -1,15 +1,18 @@
-"""Results of an evaluation, and the files of its folder, read and written only here."""
+"""Results of evaluations: the files of a folder, read and written only here, and their numbers."""
 
 import json
 import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-from slider.core import columns
-from slider.core.columns import Columns
+from slider.core import tables
 from slider.env.metrics import EstimateError, GaitQuality, Tracking
+from slider.library.blend import GaitNumbers, gait_numbers
+from slider.library.reader import STORE, GaitLibrary
 
 METADATA, ROBOTS, VELOCITY = "metadata.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
@@ -35,75 +38,25 @@ SEGMENT_COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
 
 
 @dataclass(frozen=True)
-class Robots:
-    """Records of N robots in columns (N,): ``trial``, ``survived``, … ; NaN where a robot fell."""
-
-    columns: Columns
-
-    @property
-    def survived(self) -> np.ndarray:
-        """Whether a robot survived (N,)."""
-        return self.columns["survived"]
-
-    def survivors(self, name: str) -> np.ndarray:
-        """A column of the robots that survived."""
-        return self.columns[name][self.survived]
-
-    def mean(self, name: str) -> float:
-        """Mean of a column over survivors; NaN without any."""
-        values = self.survivors(name)
-        return float(values.mean()) if len(values) else float("nan")
-
-    def success(self) -> dict[str, float]:
-        """Share without a termination (``env.termination``), its spread, Wilson's 95 % interval."""
-        low, high = wilson(int(self.survived.sum()), len(self.survived))
-        row = self._mean("success_rate", "survived", slice(None))
-        return row | {"success_low": low, "success_high": high}
-
-    def accuracy(self) -> dict[str, float]:
-        """Share that tracks the command; mean squared velocity errors of survivors [m²/s²].
-
-        ``mse`` counts the start, ``mse_steady`` begins after the warm-up. Both are infinite where
-        none survived, as in the paper.
-        """
-        return (
-            self._mean("tracking_rate", "tracked", slice(None))
-            | self._mean("mse", "squared_error", self.survived)
-            | self._mean("mse_steady", "squared_error_steady", self.survived)
-        )
-
-    def _mean(self, name: str, column: str, robots: np.ndarray | slice) -> dict[str, float]:
-        """A mean over robots, and as ``NAME_std`` the standard deviation of the trials' means.
-
-        The latter is NaN for fewer than two trials.
-        """
-        values, trial = self.columns[column][robots], self.columns["trial"][robots]
-        mean = float(values.mean()) if len(values) else float("inf")
-        means = [values[trial == t].mean() for t in np.unique(trial)]
-        spread = float(np.std(means, ddof=1)) if len(means) > 1 else float("nan")
-        return {name: mean, f"{name}_std": spread}
-
-
-@dataclass(frozen=True)
 class Evaluation:
     """All robots of one controller at one command, or in one case of a profile.
 
     Attributes:
         speed: commanded forward velocity [m/s]; None in a case.
-        robots: columns ``COLUMNS``.
+        robots: a row per robot with ``COLUMNS``; NaN where it fell.
         velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
-        segments: in a case the robots of each segment, columns ``SEGMENT_COLUMNS``; ``survived``
-            is true for robots that stood until its end, even if they fell later.
+        segments: in a case a row per segment and robot with ``SEGMENT_COLUMNS``; ``survived`` is
+            true for robots that stood until its end, even if they fell later.
         traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.
         label: display name of the controller; not in the folder, since nothing depends on it.
     """
 
     controller: str
     speed: float | None
-    robots: Robots
+    robots: pd.DataFrame
     velocity: np.ndarray = field(default_factory=lambda: np.empty((0, 2), dtype=np.float32))
     case: str = ""
-    segments: tuple[Robots, ...] = ()
+    segments: pd.DataFrame | None = None
     traces: np.ndarray | None = None
     label: str = ""
 
@@ -113,55 +66,134 @@ class Evaluation:
         if self.case:
             metadata["case"] = self.case
         (folder / METADATA).write_text(json.dumps(metadata) + "\n", encoding="utf-8")
-        columns.write(self.robots.columns, folder / ROBOTS)
+        tables.write(self.robots, folder / ROBOTS, digits=9)
         np.save(folder / VELOCITY, self.velocity)
-        if self.segments:
-            parts = [segment.columns for segment in self.segments]
-            joined = {n: np.concatenate([part[n] for part in parts]) for n in SEGMENT_COLUMNS}
-            columns.write(joined, folder / SEGMENTS)
+        if self.segments is not None:
+            tables.write(self.segments, folder / SEGMENTS, digits=9)
         if self.traces is not None:
             np.save(folder / TRACES, self.traces)
 
     @classmethod
-    def load(cls, folder: Path) -> "Evaluation":
-        """Read the files of a folder back.
+    def load(cls, folder: Path, labels: Mapping[str, str] | None = None) -> "Evaluation":
+        """Read the files of a folder back; ``labels`` of controllers, if known.
 
         Raises:
             UserError: a table has other columns.
         """
-        metadata = json.loads((folder / METADATA).read_text(encoding="utf-8"))
-        flags = ("survived", "tracked", "diverged")
-        segments = ()
-        if (folder / SEGMENTS).is_file():
-            table = columns.read(folder / SEGMENTS, SEGMENT_COLUMNS, ("survived",))
-            index = table["segment"]
-            parts = [{n: v[index == i] for n, v in table.items()} for i in np.unique(index)]
-            segments = tuple(map(Robots, parts))
+        about = json.loads((folder / METADATA).read_text(encoding="utf-8"))
+        controller, segments = about["controller"], folder / SEGMENTS
         return cls(
-            metadata["controller"],
-            metadata["speed"],
-            Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
+            controller,
+            about["speed"],
+            tables.read(folder / ROBOTS, COLUMNS, ("survived", "tracked", "diverged")),
             np.load(folder / VELOCITY),
-            metadata.get("case", ""),
-            segments,
+            about.get("case", ""),
+            tables.read(segments, SEGMENT_COLUMNS, ("survived",)) if segments.is_file() else None,
             np.load(folder / TRACES) if (folder / TRACES).is_file() else None,
+            labels[controller] if labels else "",
         )
 
 
-def robots(
+def robots_frame(
     trials: int, count: int, diverged: np.ndarray, *metrics: Tracking | GaitQuality | EstimateError
-) -> Robots:
-    """Robots from their metrics; those of a trial stand next to each other."""
+) -> pd.DataFrame:
+    """Rows with the metrics of robots, of which those of a trial stand next to each other."""
     columns = places(trials, count)
     for one in metrics:
         columns |= vars(one)
-    return Robots(columns | {"diverged": diverged})
+    return pd.DataFrame(columns | {"diverged": diverged})
 
 
-def places(trials: int, count: int) -> Columns:
+def places(trials: int, count: int) -> dict[str, np.ndarray]:
     """Columns ``trial`` and ``robot``, its number within the trial."""
     trial, robot = np.divmod(np.arange(trials * count), count)
     return {"trial": trial, "robot": robot}
+
+
+def compare(evaluations: Iterable[Evaluation], library: Sequence[Path] = ()) -> pd.DataFrame:
+    """A row per evaluation: ``controller``, ``speed``, success, accuracy and quality.
+
+    The numbers of the gait at the speed, of the library in the only folder, if there is one, stand
+    beside the controller's as ``reference_NAME``.
+    """
+    gaits = GaitLibrary.load(library[0] / STORE) if library else None
+    rows = []
+    for one in evaluations:
+        gait = None if gaits is None or one.speed is None else gait_numbers(gaits, one.speed)
+        row = {"controller": one.controller, "speed": one.speed}
+        rows.append(row | success(one.robots) | accuracy(one.robots) | quality(one.robots, gait))
+    return pd.DataFrame(rows)
+
+
+def success(robots: pd.DataFrame) -> dict[str, float]:
+    """Share without a termination (``env.termination``), its spread, Wilson's 95 % interval."""
+    low, high = wilson(int(robots["survived"].sum()), len(robots))
+    rate = _mean("success_rate", robots, "survived")
+    return rate | {"success_low": low, "success_high": high}
+
+
+def accuracy(robots: pd.DataFrame) -> dict[str, float]:
+    """Share that tracks the command; mean squared velocity errors of survivors [m²/s²].
+
+    ``mse`` counts the start, ``mse_steady`` begins after the warm-up. Both are infinite where none
+    survived, as in the paper.
+    """
+    alive = robots[robots["survived"]]
+    return (
+        _mean("tracking_rate", robots, "tracked")
+        | _mean("mse", alive, "squared_error")
+        | _mean("mse_steady", alive, "squared_error_steady")
+    )
+
+
+def _mean(name: str, robots: pd.DataFrame, column: str) -> dict[str, float]:
+    """A mean over robots, and as ``NAME_std`` the standard deviation of the trials' means.
+
+    The latter is NaN for fewer than two trials.
+    """
+    values = robots[column].to_numpy(float)
+    mean = float(values.mean()) if len(values) else math.inf
+    means = robots.groupby("trial")[column].mean().to_numpy()
+    return {name: mean, f"{name}_std": float(np.std(means, ddof=1)) if len(means) > 1 else math.nan}
+
+
+def quality(robots: pd.DataFrame, gait: GaitNumbers | None = None) -> dict[str, float]:
+    """How the robots that survive walk, beside the numbers of a ``gait``; NaN where none survived.
+
+    Means over robots, but for extremes, which are those of all robots: ``penetration_max``,
+    ``peak_effort``, ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean
+    of the robots' largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and
+    ``robots_cross`` are the shares of robots whose legs ever touch or cross.
+    """
+    row, alive = {}, robots[robots["survived"]]
+    for name in ("mean_velocity", *QUALITY, *ERRORS):
+        for column, number in _NUMBERS.get(name, {name: np.mean}).items():
+            row[column] = float(number(alive[name].to_numpy())) if len(alive) else math.nan
+            if column in GaitNumbers._fields:
+                row[f"reference_{column}"] = math.nan if gait is None else getattr(gait, column)
+    return row
+
+
+def means(robots: pd.DataFrame, names: Sequence[str]) -> dict[str, float]:
+    """Means of columns over survivors; NaN without any."""
+    return robots.loc[robots["survived"], [*names]].mean().to_dict()
+
+
+def _ever(shares: np.ndarray) -> float:
+    """Share of robots with some of what these are shares of time of."""
+    return float(np.mean(shares > 0))
+
+
+# Quantity of a robot → columns, and how its values over robots become their number.
+_NUMBERS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
+    "heading": {"heading": np.mean, "heading_worst": np.max},
+    "penetration_max": {"penetration_max": np.max},
+    "peak_effort": {"peak_effort": np.max},
+    "peak_speed": {"peak_speed": np.max},
+    "leg_distance": {"leg_distance": np.min},
+    "legs_touch": {"legs_touch": np.mean, "robots_touch": _ever},
+    "legs_cross": {"legs_cross": np.mean, "robots_cross": _ever},
+}
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:

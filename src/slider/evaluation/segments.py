@@ -1,13 +1,13 @@
 """Segments of a changing velocity: its time series, records per robot and traces over time."""
 
 import numpy as np
+import pandas as pd
 
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
-from slider.core.columns import Columns
 from slider.env.instruments import in_contact, landings
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
-from slider.evaluation.results import AXES, MEASURES, Robots, places
+from slider.evaluation.results import AXES, MEASURES, SEGMENT_COLUMNS, places
 
 SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
 
@@ -38,8 +38,8 @@ def windows(case: CaseConfig, warm_up: float, duration: float, period: float) ->
     ]
 
 
-def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> list[Robots]:
-    """Robots of each segment with their ``MEASURES``.
+def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> pd.DataFrame:
+    """Rows of the robots in each segment with their ``MEASURES``.
 
     They survive a segment if they stand until its end, even if they fall later.
     """
@@ -54,13 +54,13 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
         survived = recording.alive[window.stop - 1]
         part = places(protocol.trials, protocol.robots)
         part |= {"segment": np.full(len(survived), index), "survived": survived}
-        values = _measures(recording, touchdown, window)
-        values = {name: np.where(survived, values[name], np.nan) for name in MEASURES}
-        parts.append(Robots(part | values))
-    return parts
+        values = pd.DataFrame(part | _measures(recording, touchdown, window))
+        values.loc[~survived, list(MEASURES)] = np.nan
+        parts.append(values[list(SEGMENT_COLUMNS)])
+    return pd.concat(parts, ignore_index=True)
 
 
-def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Columns:
+def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> dict[str, np.ndarray]:
     seconds = (window.stop - window.start) * recording.period
     velocity, command = _velocities(recording)[window], recording.command[window]
     position = recording.position[window]

@@ -69,7 +69,7 @@ def run(
         lambda share: job.progress(f"{100 * share:.0f} %"),
     )
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
-    robots = results.robots(
+    robots = results.robots_frame(
         config.trials,
         config.robots,
         recording.diverged,
@@ -86,17 +86,17 @@ def run(
         evaluation = replace(
             evaluation,
             case=case.name,
-            segments=tuple(segments.measure(recording, config, case)),
+            segments=segments.measure(recording, config, case),
             traces=segments.traces(recording, config),
         )
     evaluation.save(out)
-    rates = robots.success() | robots.accuracy()
+    rates = results.success(robots) | results.accuracy(robots)
     return {
         "controller": evaluation.controller,
         "speed": speed,
         **({"case": case.name} if case else {}),
         "success_rate": rates["success_rate"],
-        "mse_steady": rates["mse_steady"] if robots.survived.any() else None,
+        "mse_steady": rates["mse_steady"] if robots["survived"].any() else None,
         "blow_ups": int(recording.diverged.sum()),
     }
 

@@ -21,7 +21,7 @@ from optuna.distributions import BaseDistribution, FloatDistribution, IntDistrib
 from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig
 from slider.config.robot import RobotConfig
-from slider.core import files
+from slider.core import files, tables
 from slider.core.errors import not_read
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
@@ -63,7 +63,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         job.progress(f"finalist {place}/{len(best) + 1}")
         columns, score = measure(final, {name: row[name] for name in ranges})
         rows.append({**row, FINALIST: 1, "score": score, **columns})
-    pd.DataFrame(rows).to_csv(out / CSV, index=False, float_format="%.6g", lineterminator="\n")
+    tables.write(pd.DataFrame(rows), out / CSV)
     winner = min(rows[section["trials"] :], key=lambda row: row["score"])
     return {"best": winner["trial"], "score": winner["score"]}
 

@@ -4,11 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.gains import FootPlacement
 from slider.hzd.stage import BY_HIP, MULTIPLIERS, indices, load_library
-from slider.hzd.summary import CSV, MARKDOWN, write_csv, write_markdown
+from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES, write_csv, write_markdown
 from slider.library.reader import GaitLibrary
 from slider.robot.names import VELOCITY
 
@@ -17,10 +18,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Table of all gaits as CSV, and for people."""
     library = load_library(inputs)
     rows = [row for folder in inputs["gaits"] for row in records(library, folder)]
-    rows.sort(key=lambda row: [row[name] for name in VELOCITY])
-    write_csv(out / CSV, rows)
-    write_markdown(out / MARKDOWN, rows)
-    return {"gaits": len(rows), "stable": sum("spectral_radius" in row for row in rows)}
+    frame = pd.DataFrame(rows, columns=[*VELOCITY, *QUANTITIES]).sort_values([*VELOCITY])
+    write_csv(out / CSV, frame)
+    write_markdown(out / MARKDOWN, frame)
+    return {"gaits": len(frame), "stable": int(frame["spectral_radius"].notna().sum())}
 
 
 def records(library: GaitLibrary, folder: Path) -> list[dict[str, Any]]:

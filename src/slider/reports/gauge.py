@@ -5,20 +5,20 @@ of all robots passes, over all speeds, seeds and directions. The gauge number of
 mean of its levels over the axes.
 """
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
+import pandas as pd
+
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.quantities import Quantity
 from slider.core.tables import Table
 from slider.evaluation.gauge import CSV, words
-from slider.reports import rows as tables
-from slider.reports.document import picture, write_document
-from slider.reports.figures.gauge import draw, pass_rate
-from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import NONE
-from slider.reports.rows import Row, by
+from slider.reports import report
+from slider.reports.figures.gauge import draw, pass_rates
+from slider.reports.report import picture
 
 NUMBER = "gauge number"
 _CAPTION = """\
@@ -36,44 +36,43 @@ seed and direction.
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``gauge.csv``, ``gauge_cells.csv``, ``gauge.md`` and ``gauge.svg``."""
-    cells = [
-        {"controller": controller, "axis": axis} | row
-        for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True)
-        for row in tables.read(folder / CSV)
-    ]
+    labels, parts = section["labels"], []
+    for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True):
+        names = pd.DataFrame({"controller": [controller], "axis": [axis]})
+        parts.append(names.merge(tables.read(folder / CSV), how="cross"))
+    cells = pd.concat(parts, ignore_index=True)
     tables.write(cells, out / "gauge_cells.csv")
-    rows = gauge_rows(cells, section["labels"], section["survival"])
-    tables.write(rows, out / "gauge.csv")
-    write_pictures(out / "gauge", partial(draw, rows, cells, section["labels"]))
+    frame = gauge_frame(cells, labels, section["survival"])
     protocol = section["protocol"]
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = _CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]})
-    parts = [picture("gauge"), caption, *(table.markdown for table in gauge_tables(rows))]
-    write_document(out / "gauge.md", "Gauge", section["robot"], parts)
-    numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
+    parts = [picture("gauge"), caption, *gauge_tables(frame)]
+    figure = partial(draw, frame, cells, labels)
+    report.write(out / "gauge", "Gauge", section["robot"], frame, figure, parts)
+    numbers = frame[frame["axis"] == NUMBER].set_index("controller")["level"].to_dict()
     job.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
-    return {"rows": len(rows), "gauge": numbers}
+    return {"rows": len(frame), "gauge": numbers}
 
 
-def gauge_rows(cells: Sequence[Row], labels: Mapping[str, str], survival: float) -> list[Row]:
+def gauge_frame(cells: pd.DataFrame, labels: Mapping[str, str], survival: float) -> pd.DataFrame:
     """A row per controller and axis, and after those of a controller its gauge number.
 
     ``level`` is the highest one, ``magnitude`` what it is, ``pass_3`` the pass rate of level 3.
     """
-    rows: list[Row] = []
-    for controller, mine in by(cells, "controller").items():
-        about, levels = {"controller": controller, "label": labels[controller]}, []
-        for axis, tested in by(mine, "axis").items():
-            groups = list(by(tested, "level").values())
-            rates = [pass_rate(group) for group in groups]
+    rows = []
+    for controller, mine in cells.groupby("controller", sort=False):
+        about, levels = {"controller": controller, "label": labels[str(controller)]}, []
+        for axis, tested in mine.groupby("axis", sort=False):
+            rates = pass_rates(tested, ["level"])
             level = highest_level(rates, survival)
-            magnitude = words(axis, groups[level - 1][0]["value"]) if level else ""
-            values = {f"pass_{number}": rate for number, rate in enumerate(rates, 1)}
-            rows.append(about | {"axis": axis, "level": level, "magnitude": magnitude} | values)
+            value = tested["value"][tested["level"] == level]
+            row = about | {"axis": axis, "level": level}
+            row["magnitude"] = words(str(axis), value.iloc[0]) if level else ""
+            rows.append(row | {f"pass_{number}": rate for number, rate in rates.items()})
             levels.append(level)
         mean = sum(levels) / len(levels)
         rows.append(about | {"axis": NUMBER, "level": mean, "magnitude": ""})
-    return rows
+    return pd.DataFrame(rows)
 
 
 def highest_level(rates: Sequence[float], survival: float) -> int:
@@ -82,27 +81,28 @@ def highest_level(rates: Sequence[float], survival: float) -> int:
     return next(below, len(rates))
 
 
-def gauge_tables(rows: Sequence[Row]) -> Iterator[Table]:
+def gauge_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """Levels of all controllers, and the pass rates of each."""
-    body = [[_title(axis), *map(_level, mine)] for axis, mine in by(rows, "axis").items()]
-    yield Table(["axis", *by(rows, "label")], body)
-    names = [name for name in rows[0] if name.startswith("pass_")]
+    texts = frame.assign(text=[_level(row) for row in frame.to_dict("records")])
+    body = [[_title(axis), *mine["text"]] for axis, mine in texts.groupby("axis", sort=False)]
+    yield Table(["axis", *frame["label"].unique()], body)
+    names = [name for name in frame if name.startswith("pass_")]
     heads = ["robots that pass [%] at level", *(name.removeprefix("pass_") for name in names)]
-    for label, mine in by(rows, "label").items():
-        body = [
-            [_title(row["axis"])]
-            + [NONE if math.isnan(row[name]) else f"{100 * row[name]:.0f}" for name in names]
-            for row in mine
-            if row["axis"] != NUMBER
-        ]
-        yield Table(heads, body, label)
+    for label, mine in frame[frame["axis"] != NUMBER].groupby("label", sort=False):
+        lines = zip(mine["axis"], mine[names].to_numpy(), strict=True)
+        yield Table(
+            heads, [[_title(axis), *map(_PASSED.text, line)] for axis, line in lines], str(label)
+        )
 
 
-def _title(axis: str) -> str:
-    return axis.replace("_", " ")
+_PASSED = Quantity("robots that pass", "%", 100.0, ".0f")
 
 
-def _level(row: Row) -> str:
+def _title(axis: object) -> str:
+    return str(axis).replace("_", " ")
+
+
+def _level(row: Mapping[str, object]) -> str:
     """Level and magnitude."""
     if row["axis"] == NUMBER:
         return f"**{row['level']:.1f}**"

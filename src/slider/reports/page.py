@@ -1,24 +1,26 @@
 """The stage ``report``: one self-contained page, of what the reports say and of what is below."""
 
-import csv
 import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from importlib.resources import files
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from matplotlib.figure import Figure
 
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.quantities import speed_text
 from slider.core.tables import Table
 from slider.reports import html, provenance
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import PAPER, QUANTITIES, speed_text
-from slider.reports.rows import Row, by, read
+from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.sections import SECTIONS
 from slider.reports.video import ABOUT, FILM
 from slider.training.results import Training
@@ -49,7 +51,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         if name in WRITERS:
             images: Files = {}
             written = WRITERS[name](section, inputs, out, job, images)
-            parts.append(("\n\n".join(written), images))
+            parts.append((tables.markdown(written), images))
         else:  # the section's heading is in the place of its own
             parts[1] = re.sub(r"\A# .*", "", parts[1][0]), parts[1][1]
         shown[name] = about.title, "".join(html.html(*part) for part in parts)
@@ -75,36 +77,38 @@ def draw(name: str, figure: Callable[[], Figure], out: Path, images: Files) -> s
     return f"![{name}]({name})"
 
 
-def overview(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+def overview(
+    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
+) -> Iterator[str | Table]:
     """One sentence; the robot walking, success and error over the speed; what was computed."""
-    rows = read(inputs["table1"][0] / "table1.csv")
-    yield finding(rows)
+    frame = tables.read(inputs["table1"][0] / "table1.csv")
+    yield finding(frame)
     films = [about for about in _films(inputs, images) if about["fell_at"] is None]
-    films.sort(key=lambda about: (about["controller"] != rows[0]["controller"], -about["speed"]))
-    plot = draw("overview", partial(walking.draw_overview, rows), out, images)
+    films.sort(key=lambda about: (about["controller"] != frame["controller"][0], -about["speed"]))
+    plot = draw("overview", partial(walking.draw_overview, frame), out, images)
     first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]
     yield "\n".join([*first, plot])
-    printed = " Dotted: the paper's numbers." if any(row["source"] == PAPER for row in rows) else ""
+    printed = " Dotted: the paper's numbers." if PAPER in set(frame["source"]) else ""
     yield f"Success rate, and velocity MSE after the warm-up of the robots that survive.{printed}"
     facts = _facts(section)
-    yield Table([*facts], [[*facts.values()]]).markdown
+    yield Table([*facts], [[*facts.values()]])
 
 
-def finding(rows: list[Row]) -> str:
+def finding(frame: pd.DataFrame) -> str:
     """Success and error of the first controller beside the paper's, in one sentence."""
-    mine = [row for row in rows if row["controller"] == rows[0]["controller"]]
-    top = max(row["speed"] for row in mine)
-    paper = [r for r in rows if r["source"] == PAPER and r["speed"] == top]
+    mine = frame[frame["controller"] == frame["controller"][0]]
+    top = mine["speed"].max()
+    paper = frame[(frame["source"] == PAPER) & (frame["speed"] == top)]
     success, mse = QUANTITIES["success_rate"], QUANTITIES["mse_steady"]
     printed = ""
-    if paper:
-        rate = success.text(paper[0]["success_rate"])
-        printed = f" ({paper[0]['label']}: {rate} % at {speed_text(top)} m/s)"
+    if len(paper):
+        rate = success.text(paper["success_rate"].iloc[0])
+        printed = f" ({paper['label'].iloc[0]}: {rate} % at {speed_text(top)} m/s)"
     return (
-        f"Of the robots with {mine[0]['label']} at least "
-        f"**{success.text(min(row['success_rate'] for row in mine))} %** survive at every "
+        f"Of the robots with {mine['label'].iloc[0]} at least "
+        f"**{success.text(mine['success_rate'].min())} %** survive at every "
         f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
-        f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
+        f"warm-up is at most **{mse.text(mine['mse_steady'].max())} m²/s²**."
     )
 
 
@@ -127,7 +131,9 @@ def _facts(section: Section) -> dict[str, str]:
     }
 
 
-def videos(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+def videos(
+    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
+) -> Iterator[str | Table]:
     """A row of films per speed, one film per controller; then those on terrain."""
     settings = section["report"]["video"]
     films = sorted(_films(inputs, images), key=lambda about: (about["terrain"], about["speed"]))
@@ -137,7 +143,7 @@ def videos(section: Section, inputs: Inputs, out: Path, job: Job, images: Files)
         yield _NO_RENDERER
     else:
         yield "One robot per film, all from the same start at rest."
-    for (terrain, speed), mine in by(films, "terrain", "speed").items():
+    for (terrain, speed), mine in groupby(films, lambda film: (film["terrain"], film["speed"])):
         yield f"## {f'{terrain}, ' if terrain else ''}{speed_text(speed)} m/s"
         yield "\n".join(f"![{about['caption']}]({about['name']})" for about in mine)
 
@@ -156,7 +162,9 @@ def _films(inputs: Inputs, images: Files) -> list[dict[str, Any]]:
     return films
 
 
-def learning(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+def learning(
+    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
+) -> Iterator[str | Table]:
     """For each training its periodic checks and, where recorded, the terms of its reward."""
     yield (
         "Periodic checks on a few robots (score: lower is better), and the largest terms of the "
@@ -171,22 +179,22 @@ def learning(section: Section, inputs: Inputs, out: Path, job: Job, images: File
             yield f"The policy of iteration {training.kept} was kept."
 
 
-def readings(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+def readings(
+    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
+) -> Iterator[str | Table]:
     """A table per part of the paper, a row per statement, with its value in this run."""
     yield "What the paper says, whether it is here as printed, and where that is configured."
     heads = ["the paper says", "status", "here", "where", "in this run"]
-    for part, statements in by(read_statements(), "part").items():
-        rows = [
-            [*list(statement.values())[1:], in_effect(section["configuration"], statement["where"])]
-            for statement in statements
-        ]
-        yield Table(heads, rows, part).markdown
+    frame = read_statements()
+    frame["now"] = [in_effect(section["configuration"], where) for where in frame["where"]]
+    for part, statements in frame.groupby("part", sort=False):
+        yield Table(heads, statements.drop(columns="part").to_numpy(), str(part))
 
 
-def read_statements() -> list[dict[str, str]]:
+def read_statements() -> pd.DataFrame:
     """Each statement: part of the paper, what it says, status, what is here, and where."""
-    text = (files("slider.reports") / READINGS).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
+    with (files("slider.reports") / READINGS).open(encoding="utf-8") as file:
+        return pd.read_csv(file, keep_default_na=False, dtype=str)
 
 
 def in_effect(configuration: Mapping[str, Any], where: str) -> str:
@@ -199,7 +207,9 @@ def in_effect(configuration: Mapping[str, Any], where: str) -> str:
     return "" if isinstance(node, (Mapping, list)) else str(node)
 
 
-def origins(section: Section, inputs: Inputs, out: Path, job: Job, images: Files) -> Iterator[str]:
+def origins(
+    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
+) -> Iterator[str | Table]:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
     jobs = [
         one
@@ -209,7 +219,7 @@ def origins(section: Section, inputs: Inputs, out: Path, job: Job, images: Files
     return provenance.blocks(section["configuration"], jobs, job.metadata)
 
 
-WRITERS: dict[str, Callable[..., Iterator[str]]] = {
+WRITERS: dict[str, Callable[..., Iterator[str | Table]]] = {
     "overview": overview,
     "videos": videos,
     "learning": learning,

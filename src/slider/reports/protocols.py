@@ -4,26 +4,25 @@ A protocol is of constant speeds (``sweep``), of segments of one case (``joystic
 (``heldout``); each has a table, a figure and their explanation.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
+import pandas as pd
 
 from slider.config.convert import from_dict
 from slider.config.evaluation import EvaluationConfig, Segment
 from slider.core.errors import require
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.quantities import NONE, speed_text
 from slider.core.tables import Table
-from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
+from slider.evaluation.results import AXES, MEASURES, Evaluation, means, success, wilson
 from slider.evaluation.segments import SMOOTHING, profile_of
-from slider.reports import rows as tables
-from slider.reports.document import picture, write_document
+from slider.reports import report
 from slider.reports.figures import walking
-from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import NONE, QUANTITIES, Quantity, speed_text
-from slider.reports.rows import NAN, Row, by, distinct
+from slider.reports.quantities import QUANTITIES
+from slider.reports.report import picture
 from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
@@ -36,6 +35,10 @@ MEANS = {  # column of the table of cases → measure of the last segment
     **{name: name for name in ("vx", "vy", "vx_error", "vy_error", "heading_error")},
 }
 STOPPED = ("standing_rate", "standing_low", "standing_high", "fastest", "drift", "drift_max")
+_CASE_FRAME = (
+    *("controller", "label", "case", "seconds", "vx_before", *(f"{axis}_command" for axis in AXES)),
+    *("success_rate", "success_rate_std", "success_low", "success_high", *MEANS, *STOPPED),
+)
 TRACKING_CAPTION = (
     "Forward velocity from rest: mean over surviving robots, the band is one standard deviation "
     "between robots, dashed the command."
@@ -84,23 +87,23 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
         UserError: none of the speeds is evaluated.
     """
     speeds, period = section["speeds"], section["control_period"]
-    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    evaluations = report.load(inputs["evaluations"], section["labels"])
     expected = "at least one of evaluation.speeds"
     require(bool(evaluations), "report.tracking_speeds", expected, speeds)
-    rows = [row for one in evaluations for row in _tracking_rows(one, period)]
-    shown = [picture(TRACKING), TRACKING_CAPTION, *undrawn(evaluations, speeds)]
+    frame = pd.concat([_velocities(one, period) for one in evaluations])
+    parts = [picture(TRACKING), TRACKING_CAPTION, *undrawn(evaluations, speeds)]
     draw = partial(walking.draw_tracking, evaluations, period)
-    title = "Forward velocity over time"
-    _write(out / TRACKING, (title, section["robot"]), rows, draw, shown, job)
-    return {"rows": len(rows)}
+    title = f"Forward velocity over time: {TRACKING}"
+    report.write(out / TRACKING, title, section["robot"], frame, draw, parts)
+    return {"rows": len(frame)}
 
 
-def _tracking_rows(one: Evaluation, period: float) -> Iterator[Row]:
+def _velocities(one: Evaluation, period: float) -> pd.DataFrame:
     """A row per control step: the time of its end [s], mean and spread over survivors [m/s]."""
-    values = one.velocity if one.robots.survived.any() else np.full_like(one.velocity, NAN)
-    for step, (mean, spread) in enumerate(values.tolist(), start=1):
-        row = tables.named(one) | {"speed": one.speed, "time": period * step}
-        yield row | {"mean_velocity": mean, "mean_velocity_spread": spread}
+    mean, spread = one.velocity.T.astype(float)
+    columns = {"controller": one.controller, "label": one.label, "speed": one.speed}
+    columns |= {"time": period * np.arange(1, len(mean) + 1)}
+    return pd.DataFrame(columns | {"mean_velocity": mean, "mean_velocity_spread": spread})
 
 
 def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[str]:
@@ -112,7 +115,7 @@ def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Itera
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.speed is not None and one.speed in speeds and not one.robots.survived.any()
+        if one.speed is not None and one.speed in speeds and not one.robots["survived"].any()
     ]
     if fallen:
         yield f"Not drawn: no survivors with {'; '.join(fallen)}."
@@ -121,155 +124,129 @@ def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Itera
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md`` and ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
-    title, _, rows_of, draw, _ = _KINDS[_kind(protocol)]
-    rows = list(rows_of(evaluations, protocol))
-    shown = blocks(name, rows, protocol)
-    figure = partial(draw, rows, evaluations, protocol)
-    _write(out / name, (title, section["robot"]), rows, figure, shown, job)
-    if protocol.profile is not None:
-        # Of all cases, or at the end.
-        pick = min if protocol.profile.rows == "cases" else lambda rates: rates[-1]
-        groups = by(rows, "controller").items()
-        rates = {who: pick([row["success_rate"] for row in mine]) for who, mine in groups}
-        return {"rows": len(rows), "success_rate": rates}
-    highest = highest_tracked(rows)
-    metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
-    job.log_metrics(metrics, 0)
-    return {"rows": len(rows), "highest_tracked": highest}
-
-
-def _write(
-    stem: Path,
-    about: tuple[str, str],
-    rows: list[Row],
-    draw: Callable[[], Figure],
-    parts: Iterable[str],
-    job: Job,
-) -> None:
-    """Write ``stem``.csv, .svg and .md; ``about`` are a title and the robot's name."""
-    tables.write(rows, stem.with_suffix(".csv"))
-    write_pictures(stem, draw)
-    title, robot = about
-    write_document(stem.with_suffix(".md"), f"{title}: {stem.name}", robot, parts)
-
-
-def blocks(name: str, rows: Sequence[Row], protocol: EvaluationConfig) -> Iterator[str]:
-    """The figure of a protocol, its explanation and its tables."""
-    _, caption, _, _, tables_of = _KINDS[_kind(protocol)]
+    evaluations = report.load(inputs["evaluations"], section["labels"])
+    title, caption, frame_of, draw, tables_of = _KINDS[_kind(protocol)]
+    frame = frame_of(evaluations, protocol)
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
     if profile := protocol.profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
-    yield picture(name)
-    yield caption.format(**vars(protocol), **values)
-    yield from (table.markdown for table in tables_of(rows))
+    parts = [picture(name), caption.format(**vars(protocol), **values), *tables_of(frame)]
+    figure = partial(draw, frame, evaluations, protocol)
+    report.write(out / name, f"{title}: {name}", section["robot"], frame, figure, parts)
+    if protocol.profile is not None:
+        rates = frame.groupby("controller", sort=False)["success_rate"]
+        # Of all cases, or at the end.
+        picked = rates.min() if protocol.profile.rows == "cases" else rates.last()
+        return {"rows": len(frame), "success_rate": picked.to_dict()}
+    highest = highest_tracked(frame)
+    metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
+    job.log_metrics(metrics, 0)
+    return {"rows": len(frame), "highest_tracked": highest}
 
 
 def _kind(protocol: EvaluationConfig) -> str:
     return protocol.profile.rows if protocol.profile else "speeds"
 
 
-def _speed_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
-    """Rows of Table 1, how the robots walk, and the spread of their mean speeds."""
-    for one in evaluations:
-        speeds = one.robots.survivors("mean_velocity")
-        between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else NAN}
-        yield tables.table_row(one) | tables.quality_row(one) | between
+def _speeds(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:
+    """Success, accuracy, how the robots walk, and the spread of their mean speeds."""
+    frame = report.measured(report.results(evaluations))
+    alive = (one.robots.loc[one.robots["survived"], "mean_velocity"] for one in evaluations)
+    return frame.assign(mean_velocity_spread=[values.std(ddof=0) for values in alive])
 
 
-def _speed_tables(rows: Sequence[Row]) -> Iterator[Table]:
+def _speed_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """What is tracked, mean speeds with their spread between robots, and the metrics."""
-    yield _highest_table(rows)
-    cells = {}
-    for row in rows:
-        mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
-        text = f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}"  # no -0.000
-        cells[row["label"], row["speed"]] = text if mean == mean else NONE
-    labels = list(by(rows, "label"))
-    body = [
-        [speed_text(value), *(cells[name, value] for name in labels)]
-        for value in distinct(rows, "speed")
+    yield _highest_table(frame)
+    texts = [
+        f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}" if mean == mean else NONE  # no -0.000
+        for mean, spread in zip(frame["mean_velocity"], frame["mean_velocity_spread"], strict=True)
     ]
-    yield Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
-    yield from comparisons(rows)
+    cells = frame.assign(text=texts).groupby(["speed", "label"])["text"].last().unstack()
+    cells = cells[frame["label"].unique()].fillna(NONE)
+    body = [[speed_text(speed), *line] for speed, *line in cells.itertuples()]
+    yield Table(["command [m/s]", *cells], body, "Mean speed [m/s]")
+    yield from comparisons(frame)
 
 
-def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
+def highest_tracked(frame: pd.DataFrame) -> dict[str, float | None]:
     """Highest commanded speed [m/s] that each controller tracks; None where it tracks none."""
-    return {
-        controller: max((row["speed"] for row in mine if _tracked(row)), default=None)
-        for controller, mine in by(rows, "controller").items()
-    }
+    tracked = frame["speed"].where(frame["tracking_rate"] >= TRACKED_SHARE)
+    highest = tracked.groupby(frame["controller"], sort=False).max()
+    return {name: None if np.isnan(top) else top for name, top in highest.items()}
 
 
-def _tracked(row: Row) -> bool:
-    return row["tracking_rate"] >= TRACKED_SHARE
-
-
-def _highest_table(rows: Sequence[Row]) -> Table:
+def _highest_table(frame: pd.DataFrame) -> Table:
     """Highest speed that each controller tracks, and lower ones that it does not."""
     body = []
-    for controller, top in highest_tracked(rows).items():
-        mine = by(rows, "controller")[controller]
-        lost = [row["speed"] for row in mine if not _tracked(row)]
-        lower = ", ".join(speed_text(value) for value in lost if value < (top or 0.0)) or "none"
-        body.append([mine[0]["label"], "none" if top is None else speed_text(top), lower])
+    for controller, top in highest_tracked(frame).items():
+        mine = frame[frame["controller"] == controller]
+        lost = mine["speed"][(mine["tracking_rate"] < TRACKED_SHARE) & (mine["speed"] < (top or 0))]
+        texts = ["none" if top is None else speed_text(top), ", ".join(map(speed_text, lost))]
+        body.append([mine["label"].iloc[0], texts[0], texts[1] or "none"])
     heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
     return Table(heads, body)
 
 
-def _segment_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
+def _segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:
     """A row per segment: means over the robots that are up at its end."""
-    (case,) = profile_of(protocol).cases
+    (case,), rows = profile_of(protocol).cases, []
     for one in evaluations:
-        for segment, robots in zip(case.segments, one.segments, strict=True):
-            row = tables.named(one) | {"segment": segment.name, "time": segment.time}
-            row |= _commands(segment) | robots.success()
-            yield row | {name: robots.mean(name) for name in MEASURES}
+        for segment, robots in zip(case.segments, _parts(one), strict=True):
+            row = {"controller": one.controller, "label": one.label, "segment": segment.name}
+            row |= {"time": segment.time} | _commands(segment) | success(robots)
+            rows.append(row | means(robots, MEASURES))
+    return pd.DataFrame(rows)
 
 
-def _commands(segment: Segment) -> Row:
+def _parts(one: Evaluation) -> list[pd.DataFrame]:
+    """Robots of each segment."""
+    assert one.segments is not None
+    return [robots for _, robots in one.segments.groupby("segment")]
+
+
+def _commands(segment: Segment) -> dict[str, float]:
     return {f"{axis}_command": getattr(segment, axis) for axis in AXES}
 
 
-def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:
+def _segment_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """A table per controller with a row per segment."""
     heads = ["from [s]", "segment", "vx, vy, yaw rate"]
     heads += [QUANTITIES[column].heading for column in _SEGMENT_COLUMNS]
-    for label, mine in by(rows, "label").items():
+    for label, mine in frame.groupby("label", sort=False):
         body = []
-        for row in mine:
+        for row in mine.to_dict("records"):
             velocity = ", ".join(f"{row[f'{axis}_command']:g}" for axis in AXES)
             numbers = (QUANTITIES[name].text(row[name]) for name in _SEGMENT_COLUMNS)
             name = row["segment"].replace("_", " ")
             body.append([f"{row['time']:g}", name, velocity, *numbers])
-        yield Table(heads, body, label)
+        yield Table(heads, body, str(label))
 
 
-def _case_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> Iterator[Row]:
+def _cases(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:
     """Success, and what survivors did in the settled last segment; NaN where none survived.
 
     ``vx_before`` is the command before the last one [m/s], if there was another.
     """
-    cases = {case.name: case for case in profile_of(protocol).cases}
+    cases, rows = {case.name: case for case in profile_of(protocol).cases}, []
     for one in evaluations:
-        *others, final = cases[str(one.case)].segments
-        last, commands = one.segments[-1], _commands(final)
-        row = tables.named(one) | {"case": one.case, "seconds": protocol.duration}
-        row |= {"vx_before": others[-1].vx if others else NAN} | commands | last.success()
-        row |= {name: last.mean(measure) for name, measure in MEANS.items()}
-        stops = not any(commands.values())
-        yield row | (_standing(last) if stops else dict.fromkeys(STOPPED, NAN))
+        *others, final = cases[one.case].segments
+        last, commands = _parts(one)[-1], _commands(final)
+        row = {"controller": one.controller, "label": one.label, "case": one.case}
+        row |= {"seconds": protocol.duration, "vx_before": others[-1].vx if others else np.nan}
+        row |= commands | success(last) | means(last, [*MEANS.values()])
+        rows.append(row | ({} if any(commands.values()) else _standing(last)))
+    names = {measure: column for column, measure in MEANS.items()}
+    return pd.DataFrame(rows).rename(columns=names).reindex(columns=_CASE_FRAME)
 
 
-def _standing(robots: Robots) -> Row:
+def _standing(robots: pd.DataFrame) -> dict[str, float]:
     """Share of all robots that survived and stood; of survivors the fastest, and the drift [m]."""
-    fastest, drift = robots.survivors("fastest"), robots.survivors("displacement")
-    standing, count = int((fastest < STANDING).sum()), len(robots.survived)
-    fast, far = (float(values.max()) if len(values) else NAN for values in (fastest, drift))
-    ends = wilson(standing, count)
-    values = (standing / count, *ends, fast, robots.mean("displacement"), far)
-    return dict(zip(STOPPED, values, strict=True))
+    alive = robots[robots["survived"]]
+    standing, count = int((alive["fastest"] < STANDING).sum()), len(robots)
+    drift = alive["displacement"]
+    values = (standing / count, *wilson(standing, count), alive["fastest"].max())
+    return dict(zip(STOPPED, (*values, drift.mean(), drift.max()), strict=True))
 
 
 _CONSTANT, _STANDS = "Constant speeds", f"Standing (slower than {STANDING:g} m/s)"
@@ -280,56 +257,53 @@ _CASE_COLUMNS = {
 }
 
 
-def _case_tables(rows: Sequence[Row]) -> Iterator[Table]:
+def _case_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """Of each controller constant speeds, standing and sideways, without empty tables."""
-    for label, mine in by(rows, "label").items():
+    titles = np.where(frame["standing_rate"].isna(), _CONSTANT, _STANDS)
+    frame = frame.assign(title=np.where(frame["vy_command"] != 0, "Sideways", titles))
+    for label, mine in frame.groupby("label", sort=False):
         for title, columns in _CASE_COLUMNS.items():
             shown = {name: QUANTITIES[MEANS.get(name, name)] for name in ("success_rate", *columns)}
             body = [
                 [row["case"], f"{row['seconds']:g}"]
-                + [_case_cell(quantity, row, name) for name, quantity in shown.items()]
-                for row in mine
-                if _case_title(row) == title
+                + [
+                    quantity.between(row[name], *_ends(row, name))
+                    for name, quantity in shown.items()
+                ]
+                for row in mine[mine["title"] == title].to_dict("records")
             ]
             if body:
                 heads = ["case", "time [s]", *(quantity.heading for quantity in shown.values())]
                 yield Table(heads, body, f"{title}, {label}")
 
 
-def _case_title(row: Row) -> str:
-    if row["vy_command"] != 0:
-        return "Sideways"
-    return _CONSTANT if np.isnan(row["standing_rate"]) else _STANDS
-
-
-def _case_cell(quantity: Quantity, row: Row, name: str) -> str:
-    """A share with its interval."""
+def _ends(row: Mapping[str, float], name: str) -> list[float]:
+    """The interval of a share; NaN for others."""
     prefix = name.removesuffix("_rate")
-    ends = (row.get(f"{prefix}_{end}", NAN) for end in ("low", "high"))
-    return quantity.between(row[name], *ends)
+    return [row.get(f"{prefix}_{end}", np.nan) for end in ("low", "high")]
 
 
 _KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {
     "speeds": (
         "Mean speed over the commanded speed",
         _SPEEDS_CAPTION,
-        _speed_rows,
-        lambda rows, evaluations, protocol: walking.draw_speeds(rows),
+        _speeds,
+        lambda frame, evaluations, protocol: walking.draw_speeds(frame),
         _speed_tables,
     ),
     "segments": (
         "Changing commands",
         _SEGMENTS_CAPTION,
-        _segment_rows,
-        lambda rows, evaluations, protocol: walking.draw_segments(evaluations, protocol),
+        _segments,
+        lambda frame, evaluations, protocol: walking.draw_segments(evaluations, protocol),
         _segment_tables,
     ),
     "cases": (
         "Cases",
         _CASES_CAPTION,
-        _case_rows,
-        lambda rows, evaluations, protocol: walking.draw_cases(rows),
+        _cases,
+        lambda frame, evaluations, protocol: walking.draw_cases(frame),
         _case_tables,
     ),
 }
-"""Kind of protocols → title, caption, rows from evaluations, figure and tables of the rows."""
+"""Kind of protocols → title, caption, frame of evaluations, figure and tables of the frame."""

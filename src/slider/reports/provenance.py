@@ -41,7 +41,7 @@ def blocks(
     configuration: Mapping[str, Any],
     jobs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any], Path]],
     page: Mapping[str, Any],
-) -> Iterator[str]:
+) -> Iterator[str | Table]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
     ``jobs`` are of each result of the page the origin (stage, label, recipe, source digest,
@@ -51,12 +51,12 @@ def blocks(
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
     table = _table(jobs, page.get("pipeline_started"))
     yield _TEXT.format(commit=_commit(page))
-    yield _stages(table).markdown
+    yield _stages(table)
     machines = _machines(table)
     yield f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}."
     leaves = flatten(configuration).items()
     seeds = [[name, str(value)] for name, value in leaves if name.endswith(".seed")]
-    yield Table(["seed", "value"], seeds).markdown
+    yield Table(["seed", "value"], seeds)
     columns = ["stage", "label", "recipe", "object", "source", "commit"]
     for title, text in (
         ("Versions of packages", yaml.safe_dump(versions)),

@@ -1,11 +1,8 @@
 """The stage ``study``: variants compared by metrics, as tables and a figure."""
 
-# The types that pandas infers of columns and rows are unions of all that they may hold.
-# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportCallIssue=false
-# pyright: reportOperatorIssue=false, reportGeneralTypeIssues=false
-
 import json
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +10,18 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.quantities import NONE, Quantity, speed_text
 from slider.core.tables import Table
-from slider.evaluation.results import Evaluation, wilson
+from slider.evaluation.results import Evaluation, compare, wilson
 from slider.gait import REPORT
 from slider.gait.study import MeshGait
 from slider.library.stage import acceptable
-from slider.reports import rows
-from slider.reports.document import picture, write_document
+from slider.reports import report
 from slider.reports.figures import study as figure
-from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity, speed_text
+from slider.reports.quantities import QUANTITIES, quantity
+from slider.reports.report import picture
 from slider.training.results import Training
 
 WALKS = 0.95
@@ -52,26 +50,24 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     runs = pd.concat([_gaits(section, inputs), _policies(section, inputs), _walks(curves)])
     runs = runs.groupby(KEYS, sort=False, dropna=False, as_index=False).first()
     summary = summarise(runs, section["variants"], section["metrics"])
-    tables = {name: summary, f"{name}_runs": runs}
+    tables.write(runs, out / f"{name}_runs.csv")
     if "walking" in inputs:
-        tables[f"{name}_curves"] = curves
-    for stem, table in tables.items():
-        table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
-    write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
-    title = name.replace("_", " ").capitalize()
-    write_document(out / f"{name}.md", title, section["robot"], blocks(name, summary))
+        tables.write(curves, out / f"{name}_curves.csv")
+    title, parts = name.replace("_", " ").capitalize(), blocks(name, summary)
+    drawn = partial(figure.draw, strongest(summary), curves)
+    report.write(out / name, title, section["robot"], summary, drawn, parts)
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 
 def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
     """Checks of all trainings over their samples."""
-    tables = []
+    parts = []
     for (variant, seed, batch), folder in _items(section, inputs, "walking"):
         checks = Training.load(folder).checks
-        columns = {"samples": checks["iteration"] * batch, **{n: checks[n] for n in _CHECKS}}
-        tables.append(pd.DataFrame({"variant": variant, "seed": seed, **columns}))
+        columns = {"variant": variant, "seed": seed, "samples": checks["iteration"] * batch}
+        parts.append(pd.DataFrame({**columns, **checks[[*_CHECKS]]}))
     columns = ["variant", "seed", "samples", *_CHECKS]
-    return pd.concat(tables) if tables else pd.DataFrame(columns=columns)
+    return pd.concat(parts) if parts else pd.DataFrame(columns=columns)
 
 
 def _walks(curves: pd.DataFrame) -> pd.DataFrame:
@@ -83,15 +79,12 @@ def _walks(curves: pd.DataFrame) -> pd.DataFrame:
 
 def _policies(section: Section, inputs: Inputs) -> pd.DataFrame:
     """A row per evaluation: the columns of Table 1 and of the quality of walking."""
-    reference = rows.reference_gaits(inputs.get("library", ()))
-    table = []
-    for key, folder in _items(section, inputs, "evaluations"):
-        evaluation = Evaluation.load(folder)
-        row = rows.table_row(evaluation) | rows.quality_row(evaluation, reference)
-        for name in (*rows.NAMED, "source", "speed"):
-            del row[name]
-        table.append(dict(zip(KEYS, key, strict=True)) | row)
-    return pd.DataFrame(table, columns=None if table else KEYS)
+    if "evaluations" not in inputs:
+        return pd.DataFrame(columns=KEYS)
+    keys, folders = zip(*_items(section, inputs, "evaluations"), strict=True)
+    frame = compare(map(Evaluation.load, folders), inputs.get("library", ()))
+    frame = frame.drop(columns=["controller", "speed"])
+    return pd.concat([pd.DataFrame([*keys], columns=KEYS), frame], axis=1)
 
 
 def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
@@ -122,7 +115,7 @@ def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
 _OF_REPORT = ("cost", "gait_transport", "base_height")
 
 
-def _outcome(report: dict[str, Any], limit: float) -> rows.Row:
+def _outcome(report: dict[str, Any], limit: float) -> dict[str, Any]:
     converged, residuals = acceptable(report, limit), report["residuals"]
     return {
         "converged": float(converged),
@@ -223,7 +216,7 @@ def strongest(summary: pd.DataFrame) -> pd.DataFrame:
     return shown.loc[by_place]
 
 
-def blocks(name: str, summary: pd.DataFrame) -> Iterator[str]:
+def blocks(name: str, summary: pd.DataFrame) -> Iterator[str | Table]:
     """Figure and tables of a study: per metric variants down, speeds across."""
     shown, count = strongest(summary), summary["variant"].nunique()
     yield (
@@ -232,9 +225,9 @@ def blocks(name: str, summary: pd.DataFrame) -> Iterator[str]:
         f"change against the first row excludes 0. `{name}.csv` has all {count} variants."
     )
     yield picture(name)
-    yield _variants(shown).markdown
+    yield _variants(shown)
     for metric, mine in shown.dropna(subset="metric").groupby("metric", sort=False):
-        yield _table(quantity(str(metric)), mine).markdown
+        yield _table(quantity(str(metric)), mine)
 
 
 def _variants(summary: pd.DataFrame) -> Table:

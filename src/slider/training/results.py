@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
-from slider.core import columns
-from slider.core.columns import Columns
+from slider.core import tables
 
 SELECTION, CURVE = "selection.csv", "learning_curve.csv"
 CHECKS = ("success", "speed_error", "flight", "value")
@@ -22,20 +21,18 @@ class Training:
         curve: ``iteration`` and every recorded ``group/name``; empty where none were recorded.
     """
 
-    checks: Columns
-    curve: Columns
+    checks: pd.DataFrame
+    curve: pd.DataFrame
 
     @classmethod
     def load(cls, folder: Path) -> "Training":
         """Read the files of a folder; a check without any survivor leaves columns out."""
-        checks = columns.read(folder / SELECTION)
-        nothing = np.full(len(checks["iteration"]), np.nan)
-        checks = {name: checks.get(name, nothing) for name in ("iteration", *CHECKS)}
+        checks = tables.read(folder / SELECTION).reindex(columns=["iteration", *CHECKS])
         path = folder / CURVE
-        return cls(checks, columns.read(path) if path.is_file() else {})
+        return cls(checks, tables.read(path) if path.is_file() else pd.DataFrame())
 
     @property
     def kept(self) -> int:
         """Iteration of the exported policy: the last one with the least score."""
         value = self.checks["value"]
-        return int(self.checks["iteration"][np.flatnonzero(value == value.min())[-1]])
+        return int(self.checks["iteration"][value == value.min()].iloc[-1])

@@ -2,20 +2,20 @@
 
 from dataclasses import dataclass
 
+from slider.core.quantities import Quantity
+
 
 @dataclass(frozen=True)
-class Quantity:
+class Checked(Quantity):
     """One number per gait.
 
     Attributes:
         check: number of the check in ``docs/reference/verification.md``.
-        unit, meaning: for reports.
         at_least: the bound is a lower one, and small values are the bad ones.
     """
 
-    check: int
-    unit: str
-    meaning: str
+    digits: str = ".3g"
+    check: int = 0
     at_least: bool = False
 
     def limit(self, bound: float) -> str:
@@ -23,33 +23,41 @@ class Quantity:
         return f"{'≥' if self.at_least else '≤'} {bound:g}"
 
 
-QUANTITIES: dict[str, Quantity] = {
-    "dynamics_torque": Quantity(
-        1, "N m", "stored torques of the knee's joints against pinocchio's"
+QUANTITIES: dict[str, Checked] = {
+    "dynamics_torque": Checked(
+        "stored torques of the knee's joints against pinocchio's", "N m", check=1
     ),
-    "dynamics_efforts": Quantity(1, "N m, N", "stored efforts of the slide's joints, the same"),
-    "dynamics_base": Quantity(1, "N, N m", "what the stored ground wrench leaves on the base"),
-    "dynamics_line_moment": Quantity(1, "N m", "stored moment about the foot line"),
-    "impact_velocity": Quantity(2, "rad/s, m/s", "velocities after a plastic impact"),
-    "impact_impulse": Quantity(2, "N m s", "impulsive torques that the stored velocities need"),
-    "mean_velocity": Quantity(3, "m/s", "displacement over the walk against the velocity"),
-    "periodicity": Quantity(3, "rad, m", "jump of joints and base at the touchdowns"),
-    "roll_end": Quantity(4, "rad", "collocated roll against DOP853 at the end of a step"),
-    "roll_rate_end": Quantity(4, "rad/s", "the same for the roll rate"),
-    "roll_worst": Quantity(4, "rad", "collocated roll against DOP853 at all nodes"),
-    "plant_force": Quantity(5, "N", "force that the stored ground wrench leaves on MuJoCo's base"),
-    "plant_moment": Quantity(5, "N m", "moment that it leaves there"),
-    "plant_efforts": Quantity(5, "N m, N", "stored efforts against MuJoCo's"),
-    "plant_cop": Quantity(5, "-", "centre of pressure as a share of the foot, by MuJoCo"),
-    "plant_torque": Quantity(5, "-", "motor torques as a share of their limits, by MuJoCo"),
-    "plant_voltage": Quantity(5, "-", "motor voltages as a share of the bus, by MuJoCo"),
-    "plant_impact": Quantity(5, "rad/s, m/s", "velocities after MuJoCo's plastic impact"),
-    "dense_penetration": Quantity(6, "m", "toe or heel of the swing foot below the ground"),
-    "dense_clearance": Quantity(6, "m", "toe or heel below the parabola of gait.posture"),
-    "dense_cop": Quantity(6, "-", "centre of pressure as a share of toe or heel length"),
-    "dense_friction": Quantity(6, "-", "friction coefficient that the foot needs"),
-    "dense_torque": Quantity(6, "-", "motor torques as a share of their limits"),
-    "dense_voltage": Quantity(6, "-", "motor voltages as a share of the bus"),
-    "dense_position": Quantity(6, "rad, m", "prismatic joints beyond their range"),
-    "dense_leg_distance": Quantity(6, "m", "least distance of one leg from the other", True),
+    "dynamics_efforts": Checked(
+        "stored efforts of the slide's joints, the same", "N m, N", check=1
+    ),
+    "dynamics_base": Checked("what the stored ground wrench leaves on the base", "N, N m", check=1),
+    "dynamics_line_moment": Checked("stored moment about the foot line", "N m", check=1),
+    "impact_velocity": Checked("velocities after a plastic impact", "rad/s, m/s", check=2),
+    "impact_impulse": Checked(
+        "impulsive torques that the stored velocities need", "N m s", check=2
+    ),
+    "mean_velocity": Checked("displacement over the walk against the velocity", "m/s", check=3),
+    "periodicity": Checked("jump of joints and base at the touchdowns", "rad, m", check=3),
+    "roll_end": Checked("collocated roll against DOP853 at the end of a step", "rad", check=4),
+    "roll_rate_end": Checked("the same for the roll rate", "rad/s", check=4),
+    "roll_worst": Checked("collocated roll against DOP853 at all nodes", "rad", check=4),
+    "plant_force": Checked(
+        "force that the stored ground wrench leaves on MuJoCo's base", "N", check=5
+    ),
+    "plant_moment": Checked("moment that it leaves there", "N m", check=5),
+    "plant_efforts": Checked("stored efforts against MuJoCo's", "N m, N", check=5),
+    "plant_cop": Checked("centre of pressure as a share of the foot, by MuJoCo", "-", check=5),
+    "plant_torque": Checked("motor torques as a share of their limits, by MuJoCo", "-", check=5),
+    "plant_voltage": Checked("motor voltages as a share of the bus, by MuJoCo", "-", check=5),
+    "plant_impact": Checked("velocities after MuJoCo's plastic impact", "rad/s, m/s", check=5),
+    "dense_penetration": Checked("toe or heel of the swing foot below the ground", "m", check=6),
+    "dense_clearance": Checked("toe or heel below the parabola of gait.posture", "m", check=6),
+    "dense_cop": Checked("centre of pressure as a share of toe or heel length", "-", check=6),
+    "dense_friction": Checked("friction coefficient that the foot needs", "-", check=6),
+    "dense_torque": Checked("motor torques as a share of their limits", "-", check=6),
+    "dense_voltage": Checked("motor voltages as a share of the bus", "-", check=6),
+    "dense_position": Checked("prismatic joints beyond their range", "rad, m", check=6),
+    "dense_leg_distance": Checked(
+        "least distance of one leg from the other", "m", check=6, at_least=True
+    ),
 }

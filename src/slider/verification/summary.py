@@ -4,9 +4,6 @@ A table has one row per gait: its velocity and the ``QUANTITIES``, NaN where one
 apply.
 """
 
-# The types of pandas' cells are unions of all that a cell may be.
-# pyright: reportArgumentType=false
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,12 +11,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from slider.core import tables
+from slider.core.quantities import NONE
 from slider.core.tables import Table
 from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES
 
 Bounds = Mapping[str, float | None]
-_DIGITS = "%.6g"
 
 
 class Failure(NamedTuple):
@@ -69,7 +67,7 @@ def worst(table: pd.DataFrame, bounds: Bounds) -> dict[str, dict[str, Any]]:
 
 def _number(value: float) -> float | None:
     """JSON has neither infinity nor NaN."""
-    return float(_DIGITS % value) if math.isfinite(value) else None
+    return float(f"{value:.6g}") if math.isfinite(value) else None
 
 
 def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> None:
@@ -79,7 +77,7 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
         names.setdefault(failure.velocity, []).append(failure.quantity)
     velocities = table[list(VELOCITY)].itertuples(index=False, name=None)
     table = table.assign(failed=[" ".join(names.get(velocity, [])) for velocity in velocities])
-    table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
+    tables.write(table, path)
 
 
 _SHOWN_FAILURES = 20
@@ -94,31 +92,32 @@ def write_markdown(
     rows = []
     for name, row in quantities.items():
         about, bound = QUANTITIES[name], row["bound"]
-        limit = "–" if bound is None else about.limit(bound)
-        head = [str(about.check), f"`{name}`", about.unit, about.meaning]
-        values = [_short(row["worst"]), place(row), _short(row["median"])]
-        rows.append([*head, *values, limit + _HOLDS[row["passed"]]])
+        limit = NONE if bound is None else about.limit(bound)
+        head = [str(about.check), f"`{name}`", about.unit, about.title]
+        worst, median = (
+            NONE if row[n] is None else about.text(row[n]) for n in ("worst", "median")
+        )
+        rows.append([*head, worst, place(row), median, limit + _HOLDS[row["passed"]]])
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
     bounded = sum(row["bound"] is not None for row in quantities.values())
     verdict = f"{len(failed)} values are beyond their bounds:" if failed else "All bounds hold."
-    lines = [f"{len(table)} gaits, {bounded} bounds. **{verdict}**", ""]
-    lines += [f"* {failure.text}" for failure in failed[:_SHOWN_FAILURES]]
+    lines = [f"* {failure.text}" for failure in failed[:_SHOWN_FAILURES]]
     if len(failed) > _SHOWN_FAILURES:
         lines.append(f"* {len(failed) - _SHOWN_FAILURES} more in `verification.csv`")
-    lines += ["", Table(head, rows).markdown]
+    parts = [
+        f"{len(table)} gaits, {bounded} bounds. **{verdict}**",
+        *["\n".join(lines)] * bool(lines),
+    ]
+    parts.append(Table(head, rows))
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
         head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]
-        rows = [[f"`{name}`", *map(_short, straight[name])] for name in _OVER_SPEED]
-        lines += ["", "Straight ahead:", "", Table(head, rows).markdown]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        rows = [[f"`{n}`", *map(QUANTITIES[n].text, straight[n])] for n in _OVER_SPEED]
+        parts += ["Straight ahead:", Table(head, rows)]
+    path.write_text(tables.markdown(parts), encoding="utf-8")
 
 
 def place(row: Mapping[str, Any]) -> str:
     """Velocity of the gait that has the worst value of a quantity; a yaw rate if there is one."""
     turn = f", {row['yaw_rate']:g} rad/s" if row["yaw_rate"] else ""
     return f"{row['vx']:g}, {row['vy']:g}{turn}"
-
-
-def _short(value: float | None) -> str:
-    return "–" if value is None or math.isnan(value) else f"{value:.3g}"

@@ -15,8 +15,7 @@ from slider.reports.figures.checks import (
     MAPS,
     NAME,
     TABLE,
-    gait_values,
-    rows_by_command,
+    by_gait,
     run_stability,
     run_verification,
 )
@@ -31,10 +30,9 @@ GAITS = [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (0.5, 0.1, 0.0)]
 def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("stability")
     store = write_store(folder / "library", GAITS, []).parent
-    rows = [dict(zip(VELOCITY, gait, strict=True)) for gait in GAITS]
-    for row in rows[:2]:  # the third gait has no limit cycle
-        row |= dict.fromkeys(QUANTITIES, 1.5)
-    write_csv(folder / CSV, rows)
+    frame = pd.DataFrame(GAITS, columns=[*VELOCITY]).assign(**dict.fromkeys(QUANTITIES, 1.5))
+    frame.loc[2, list(QUANTITIES)] = np.nan  # it has no limit cycle
+    write_csv(folder / CSV, frame)
     return {"library": [store], "stability": [folder]}
 
 
@@ -69,7 +67,7 @@ def store(tmp_path_factory) -> Path:
 def test_values_belong_to_their_gaits(store, tmp_path):
     checked = table(tmp_path / "checked", CHECKED[::-1])  # in another order than the library's
     library = GaitLibrary.load(store / "library.zarr")
-    found = gait_values(library, rows_by_command(checked / TABLE), "dense_leg_distance")
+    found = by_gait(library, checked / TABLE)["dense_leg_distance"]
     place = list(CHECKS).index("dense_leg_distance") + 1
     order = [CHECKED[::-1].index(tuple(command)) for command in library.velocities.tolist()]
     np.testing.assert_array_equal(found, 100 * np.array(order) + place)

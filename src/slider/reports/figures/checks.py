@@ -1,15 +1,14 @@
 """The stages ``verification_maps`` and ``stability_figures``: tables of gaits as pictures."""
 
-from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
+from slider.core import tables
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.summary import CSV
 from slider.library.reader import STORE, GaitLibrary
-from slider.reports import rows
 from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import draw_maps
 from slider.reports.figures.style import write_figure
@@ -39,10 +38,8 @@ def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> S
         UserError: the table lacks a gait of the library.
     """
     library = GaitLibrary.load(inputs["library"][0] / STORE).straight
-    table = rows_by_command(inputs["verification"][0] / TABLE)
-    maps = [
-        (QUANTITIES[name].meaning, gait_values(library, table, name), unit(name)) for name in MAPS
-    ]
+    frame = by_gait(library, inputs["verification"][0] / TABLE)
+    maps = [(QUANTITIES[name].title, frame[name].to_numpy(float), unit(name)) for name in MAPS]
     title = "Verification over the commanded velocity"
     write_figure(out / NAME, title, lambda: draw_maps(library, maps), VERIFICATION_CAPTION)
     return {"maps": len(maps)}
@@ -54,23 +51,18 @@ def unit(name: str) -> str:
     return "" if text in ("-", "1") else text
 
 
-def rows_by_command(path: Path) -> dict[tuple[float, ...], rows.Row]:
-    """Rows by command; NaN where a quantity does not apply."""
-    return {tuple(row[name] for name in VELOCITY): row for row in rows.read(path)}
-
-
-def gait_values(
-    library: GaitLibrary, table: Mapping[tuple[float, ...], rows.Row], name: str
-) -> np.ndarray:
-    """A quantity of each gait (G,), in the order of the library.
+def by_gait(library: GaitLibrary, path: Path) -> pd.DataFrame:
+    """Rows of a table in the order of the library's gaits; NaN where a quantity does not apply.
 
     Raises:
         UserError: the table lacks a gait.
     """
-    for command in library.velocities.tolist():
-        if tuple(command) not in table:
-            raise UserError(f"expected a row of the gait {velocity_text(command)}, found none")
-    return np.array([table[tuple(command)][name] for command in library.velocities.tolist()], float)
+    frame = tables.read(path).set_index([*VELOCITY])
+    gaits = [tuple(velocity) for velocity in library.velocities.tolist()]
+    for velocity in gaits:
+        if velocity not in frame.index:
+            raise UserError(f"expected a row of the gait {velocity_text(velocity)}, found none")
+    return frame.loc[gaits]
 
 
 _SHOWN = {
@@ -90,10 +82,8 @@ cycle. The foot placement is the linear-quadratic regulator's at the start of a 
 def run_stability(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw spectral radii and what goes with them as SVG and Markdown."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    table = rows_by_command(inputs["stability"][0] / CSV)
-    maps = [
-        (title, gait_values(library, table, name), unit) for name, (title, unit) in _SHOWN.items()
-    ]
+    frame = by_gait(library, inputs["stability"][0] / CSV)
+    maps = [(title, frame[name].to_numpy(float), unit) for name, (title, unit) in _SHOWN.items()]
     title = "Stability over the commanded velocity"
     write_figure(out / STABILITY, title, lambda: draw_maps(library, maps), MAPS_CAPTION)
-    return {"gaits": len(table)}
+    return {"gaits": len(frame)}

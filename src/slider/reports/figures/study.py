@@ -1,9 +1,5 @@
 """A study as a picture: learning curves above, metrics of all variants below."""
 
-# The types that pandas infers of columns and rows are unions of all that they may hold.
-# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportCallIssue=false
-# pyright: reportOperatorIssue=false, reportGeneralTypeIssues=false
-
 from collections.abc import Sequence
 from textwrap import fill
 
@@ -13,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
-from slider.reports.figures.style import LIGHT, new_figure
-from slider.reports.quantities import Quantity, colour, quantity, speed_text
+from slider.core.quantities import Quantity, speed_text
+from slider.reports.figures.style import LIGHT, colour, new_figure
+from slider.reports.quantities import quantity
 
 PANELS = 5
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}

@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 COLOURS = "viridis"
 DARK, MIDDLE, LIGHT = "#1b2a49", "#c8553d", "#9aa5b1"
 EMPTY = "#e9ecef"  # where there is no gait
+# Tell apart in print, by colour-blind readers, on light and on dark ground.
+_PALETTE = ("#2a6fc9", "#e8932c", "#2a9d74", "#b565b5", "#8b8f96", "#c4a000", "#d1495b")
 WIDTH = 7.2  # of all figures [inch]
 _DIGITS = 5  # of places, in shares of the figure
 
@@ -50,6 +52,11 @@ def style() -> AbstractContextManager[None]:
 def new_figure(height: float) -> Figure:
     """Empty figure of the common width and a height [inch], laid out by constraints."""
     return Figure(figsize=(WIDTH, height), layout="constrained")
+
+
+def colour(index: int) -> str:
+    """Colour of the controller, or other curve, number ``index``."""
+    return _PALETTE[index % len(_PALETTE)]
 
 
 def legend_above(figure: Figure, *handles_and_names: Any) -> None:

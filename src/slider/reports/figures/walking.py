@@ -4,15 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.config.evaluation import EvaluationConfig
+from slider.core.quantities import speed_text
 from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
-from slider.reports.figures.style import DARK, legend_above, new_figure
-from slider.reports.quantities import PAPER, colour, speed_text
-from slider.reports.rows import Row, by
+from slider.reports.figures.style import DARK, colour, legend_above, new_figure
+from slider.reports.quantities import PAPER
 from slider.training.results import Training
 
 _LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
@@ -30,23 +31,21 @@ _CHECKS = {  # column of the checks → axis
 _SHOWN_TERMS = 7  # of the reward, the largest
 
 
-def draw_overview(rows: Sequence[Row]) -> Figure:
-    """Success and settled error over the commanded speed; ``rows`` are those of Table 1."""
+def draw_overview(frame: pd.DataFrame) -> Figure:
+    """Success and settled error over the commanded speed, of the rows of Table 1."""
     figure = new_figure(3.3)
     success, errors = figure.subplots(1, 2)
-    for index, (label, mine) in enumerate(by(rows, "label").items()):
-        mine = sorted(mine, key=lambda row: row["speed"])
-        printed = mine[0]["source"] == PAPER
+    for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
+        mine = mine.sort_values("speed")
+        printed = mine["source"].iloc[0] == PAPER
         look = {
             "color": DARK if printed else colour(index),
             "linestyle": ":" if printed else _DASHES[index % 2],
             "marker": _MARKERS[index % len(_MARKERS)],
             "markersize": 4,
         }
-        speeds = _column(mine, "speed")
-        success.plot(speeds, 100 * _column(mine, "success_rate"), label=label, **look)
-        error = _column(mine, "mse" if printed else "mse_steady")
-        errors.plot(speeds, np.where(np.isfinite(error), error, np.nan), **look)
+        success.plot(mine["speed"], 100 * mine["success_rate"], label=label, **look)
+        errors.plot(mine["speed"], _finite(mine["mse" if printed else "mse_steady"]), **look)
     success.set(ylabel="success rate [%]", ylim=(-4, 104))
     errors.set(ylabel="velocity MSE [m²/s²]", yscale="log")
     for axes in (success, errors):
@@ -56,22 +55,19 @@ def draw_overview(rows: Sequence[Row]) -> Figure:
     return figure
 
 
-def draw_speeds(rows: Sequence[Row]) -> Figure:
-    """Three panels over a common axis; ``rows`` are those of the protocol's table."""
+def draw_speeds(frame: pd.DataFrame) -> Figure:
+    """Three panels over a common axis, of the rows of the protocol's table."""
     figure = new_figure(6.2)
     speeds, rates, errors = figure.subplots(3, 1, sharex=True, height_ratios=(1.9, 1.0, 1.0))
-    commands = _column(rows, "speed")
-    ends = [commands.min(), commands.max()]
+    ends = [frame["speed"].min(), frame["speed"].max()]
     speeds.plot(ends, ends, color=DARK, linewidth=0.8, linestyle=(0, (1, 2)), label="command")
-    for index, (label, mine) in enumerate(by(rows, "label").items()):
-        mine.sort(key=lambda row: row["speed"])
-        command, look = _column(mine, "speed"), _look(index)
-        spread = _column(mine, "mean_velocity_spread")
-        _band(speeds, command, _column(mine, "mean_velocity"), spread, index, label)
-        rates.plot(command, _column(mine, "success_rate"), **look)
-        rates.plot(command, _column(mine, "tracking_rate"), ".", color=colour(index), markersize=4)
-        error = _column(mine, "mse_steady")
-        errors.plot(command, np.where(np.isfinite(error), error, np.nan), **look)
+    for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
+        mine, look = mine.sort_values("speed"), _look(index)
+        command, spread = mine["speed"], mine["mean_velocity_spread"]
+        _band(speeds, command, mine["mean_velocity"], spread, index, str(label))
+        rates.plot(command, mine["success_rate"], **look)
+        rates.plot(command, mine["tracking_rate"], ".", color=colour(index), markersize=4)
+        errors.plot(command, _finite(mine["mse_steady"]), **look)
     speeds.set(ylabel="mean speed [m/s]")
     speeds.legend(loc="upper left")
     rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
@@ -83,9 +79,11 @@ def draw_speeds(rows: Sequence[Row]) -> Figure:
     return figure
 
 
-def _band(
-    axes: Axes, x: np.ndarray, mean: np.ndarray, spread: np.ndarray, index: int, label: str = ""
-) -> None:
+def _finite(values: pd.Series) -> pd.Series:
+    return values.where(np.isfinite(values))
+
+
+def _band(axes: Axes, x, mean, spread, index: int, label: str = "") -> None:
     """Mean (N,) as a line and a standard deviation (N,) as a band, of a controller."""
     low, high, look = mean - spread, mean + spread, _look(index)
     axes.fill_between(x, low, high, color=look["color"], alpha=0.2, linewidth=0)
@@ -132,18 +130,18 @@ def _times(values: np.ndarray, duration: float) -> np.ndarray:
     return duration * np.arange(1, len(values) + 1) / len(values)
 
 
-def draw_cases(rows: Sequence[Row]) -> Figure:
+def draw_cases(frame: pd.DataFrame) -> Figure:
     """Cases down; dots for the share that survives, rings for the share that stands."""
-    cases, controllers = list(by(rows, "case")), by(rows, "label")
+    cases, controllers = list(frame["case"].unique()), frame.groupby("label", sort=False)
     figure = new_figure(_REST + _ROW * len(cases))
     axes = figure.subplots()
-    for index, (label, mine) in enumerate(controllers.items()):
+    for index, (label, mine) in enumerate(controllers):
         offset = 0.5 * ((index + 0.5) / len(controllers) - 0.5)
-        places = np.array([cases.index(row["case"]) for row in mine]) + offset
+        places = mine["case"].map(cases.index) + offset
         tint = colour(index)
         looks = (("success", tint, 0.0, label), ("standing", "white", 0.2, f"{label}, standing"))
         for prefix, face, shift, name in looks:
-            rate, low, high = (_column(mine, f"{prefix}_{end}") for end in ("rate", "low", "high"))
+            rate, low, high = (mine[f"{prefix}_{end}"] for end in ("rate", "low", "high"))
             bars = np.abs(np.stack([rate - low, high - rate]))
             look = {"color": tint, "markerfacecolor": face, "markersize": 4, "elinewidth": 0.8}
             axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
@@ -151,10 +149,6 @@ def draw_cases(rows: Sequence[Row]) -> Figure:
     axes.set_yticks(range(len(cases)), cases)
     legend_above(figure)
     return figure
-
-
-def _column(rows: Sequence[Row], name: str) -> np.ndarray:
-    return np.array([row[name] for row in rows])
 
 
 _PANEL_HEIGHT = 2.1  # height [inch]
@@ -169,7 +163,7 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
     panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
     for axes, command in zip(panels.flat, commands, strict=False):
         for one in evaluations:
-            if one.speed == command and one.robots.survived.any():
+            if one.speed == command and one.robots["survived"].any():
                 time = period * np.arange(1, len(one.velocity) + 1)
                 mean, spread = one.velocity.T
                 _band(axes, time, mean, spread, labels.index(one.label))
@@ -195,7 +189,7 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
 def draw_training(training: Training) -> Figure:
     """Periodic checks above; below, where recorded, the largest terms of the reward."""
     checks, curve = training.checks, training.curve
-    names = [name for name in _CHECKS if not np.isnan(checks[name]).all()]
+    names = [name for name in _CHECKS if checks[name].notna().any()]
     terms = [name for name in curve if "reward" in name.partition("/")[0].lower() and "/" in name]
     figure = new_figure(4.2 if terms else 1.9)
     above, *below = figure.subfigures(2 if terms else 1, 1, squeeze=False)[:, 0]

@@ -1,0 +1,58 @@
+"""What reports have in common: evaluations as a frame; table, figure and document as files."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from slider.core import tables
+from slider.core.tables import Table
+from slider.evaluation.results import Evaluation, compare
+from slider.reports.figures.style import write_pictures
+from slider.reports.quantities import OURS, PAPER_ROBOT
+
+NAMED = ["controller", "label"]
+
+
+def load(folders: Iterable[Path], labels: Mapping[str, str]) -> list[Evaluation]:
+    """Evaluations in folders, each with its controller's label."""
+    return [Evaluation.load(folder, labels) for folder in folders]
+
+
+def results(evaluations: Sequence[Evaluation], library: Sequence[Path] = ()) -> pd.DataFrame:
+    """The rows of :func:`slider.evaluation.results.compare`, with ``label`` and ``source``."""
+    frame = compare(evaluations, library)
+    frame.insert(1, "label", [one.label for one in evaluations])
+    frame.insert(2, "source", OURS)
+    return frame
+
+
+def measured(frame: pd.DataFrame) -> pd.DataFrame:
+    """Results without those of the library's gaits."""
+    return frame[[name for name in frame if not name.startswith("reference_")]]
+
+
+def picture(name: str) -> str:
+    """The figure ``name``.svg as it is published."""
+    return f"![{name.capitalize()}](figures/{name}.svg)"
+
+
+def write_document(path: Path, title: str, robot: str, parts: Iterable[str | Table]) -> None:
+    """Write texts and tables below a title; names a robot that is not the paper's."""
+    head = [f"# {title}", *([] if robot == PAPER_ROBOT else [f"Robot: {robot}"])]
+    path.write_text(tables.markdown([*head, *parts]), encoding="utf-8")
+
+
+def write(
+    stem: Path,
+    title: str,
+    robot: str,
+    frame: pd.DataFrame,
+    draw: Callable[[], Figure],
+    parts: Iterable[str | Table],
+) -> None:
+    """Write ``stem``.csv, .svg and .md."""
+    tables.write(frame, stem.with_suffix(".csv"))
+    write_pictures(stem, draw)
+    write_document(stem.with_suffix(".md"), title, robot, parts)

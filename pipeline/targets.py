@@ -20,7 +20,7 @@ from slider.artefacts.store import Store
 from slider.config.schema import Config, StudyConfig
 from slider.core import files
 from slider.core.errors import require
-from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
+from slider.reports.sections import OPTIONAL, SECTIONS, check_sections
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
@@ -57,8 +57,7 @@ def job_on_demand(
 
 def _check_names(config: Config) -> None:
     """Protocols and studies, which are targets, have names and files of their own."""
-    apart = {*PROTOCOLS, *config.study}
-    shown = (s.needs for name, s in SECTIONS.items() if name not in apart)
+    shown = (s.needs for name, s in SECTIONS.items() if name not in config.study)
     needed = {need.removesuffix(OPTIONAL).partition(".")[0] for needs in shown for need in needs}
     taken = {*STAGES, *RULES, *needed, *chain(*(stage.files for stage in STAGES.values()))}
     added = [*(("study", name) for name in config.study)]

@@ -13,7 +13,7 @@ from slider.config.convert import to_dict
 from slider.config.env import TerrainConfig
 from slider.config.schema import Config
 from slider.config.types import Interval
-from slider.reports.sections import OPTIONAL, SECTIONS
+from slider.reports.sections import OPTIONAL, page_section
 
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
@@ -44,7 +44,7 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
 
 def needs(config: Config) -> list[str]:
     """What the sections of the page need, each once."""
-    names = (need for section in config.report.sections for need in SECTIONS[section].needs)
+    names = (need for section in config.report.sections for need in page_section(section).needs)
     return list(dict.fromkeys(names))
 
 

@@ -43,7 +43,8 @@ def test_hydra_of_the_caller_stays_as_it_was(tmp_path):
     ("override", "message"),
     [
         ("hydra.run.dir=x", "hydra: expected keys of conf/, found hydra.run.dir=x, which has no"),
-        ("++protocols={../../x:${protocols.sweep}}", "protocols: expected names of small letters"),
+        ("+protocols.Mine=${protocols.sweep}", "protocols: expected names of small letters"),
+        ("protocols=sweep", "protocols: expected all, found sweep"),
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         ("control.mpc_wbc_literal.step.time_per_speed=0", "expected +control.mpc_wbc_literal.step"),

@@ -59,7 +59,8 @@ def test_without_a_speed_to_track_there_is_a_page_all_the_same():
     ],
 )
 def test_a_section_that_is_not_there_is_one_line(overrides, absent, found, refused):
-    known = ", ".join(name for name in SECTIONS if name != absent)
+    protocols = [name for name in composed("experiment=test").protocols if name != absent]
+    known = ", ".join([*SECTIONS, *protocols])
     with pytest.raises(UserError) as error:
         stages(*overrides)
     assert str(error.value) == f"report.sections: expected one of {known}, found {found}"

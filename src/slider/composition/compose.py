@@ -32,7 +32,11 @@ from slider.core.files import flatten
 
 _MOST_STEPS = 1000  # of a list from start to stop
 _HALF_WIDTH, _MASS = 0.1, 12.5248  # between the pitch axes of SLIDER [m], and its mass [kg]
-_ALL = re.compile(r"\W*(control|study)(=|$)(?!all$)")
+_FOLDERS = {"control": "control", "protocols": "evaluation", "study": "study"}
+"""Group of which all are there → the folder whose files they are."""
+_CHOICES = ("base", "default", "development")
+"""Files that are none of these: a base, and choices of the protocol of Table 1."""
+_ALL = re.compile(rf"\W*({'|'.join(_FOLDERS)})(=|$)(?!all$)")
 _HYDRA = re.compile(r"\W*hydra(\W|$)")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
@@ -69,8 +73,8 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
     _check_groups(overrides)
-    _store_all(conf, "control")
-    _store_all(conf, "study")
+    for group, folder in _FOLDERS.items():
+        _store_all(conf, group, folder)
     with _hydra_of(conf):
         try:
             options = []
@@ -160,14 +164,14 @@ def _check_groups(overrides: Sequence[str]) -> None:
             raise UserError(f"{group[1]}: expected all{chooses}, found {choice}")
 
 
-def _store_all(conf: Path, group: str) -> None:
-    """Write the option ``GROUP=all``: each file of ``conf/GROUP`` under its own name."""
-    names = _stems(conf / group)
+def _store_all(conf: Path, group: str, folder: str) -> None:
+    """Write the option ``GROUP=all``: each file of ``conf/FOLDER`` under its own name."""
+    names = _stems(conf / folder)
     for name in names:
         if not NAME.fullmatch(name) or name == "all":
             expected = "small letters, digits and _ after a letter, and not all"
-            raise UserError(f"{conf / group}/{name}.yaml: expected {expected}, found {name}")
-    defaults = [f"{name}@{name}" for name in names if name != "base"]
+            raise UserError(f"{conf / folder}/{name}.yaml: expected {expected}, found {name}")
+    defaults = [{f"/{folder}@{name}": name} for name in names if name not in _CHOICES]
     ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
 
 

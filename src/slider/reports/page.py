@@ -21,7 +21,7 @@ from slider.reports import html, provenance
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import PAPER, QUANTITIES
-from slider.reports.sections import SECTIONS
+from slider.reports.sections import page_section
 from slider.reports.video import ABOUT, FILM
 from slider.training.results import Training
 
@@ -46,7 +46,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     names = section["report"]["sections"]
     shown = {}
     for name in names:
-        about = SECTIONS[name]
+        about = page_section(name)
         parts = [(about.about, {}), *(_document(inputs, place) for place in about.documents)]
         if name in WRITERS:
             images: Files = {}

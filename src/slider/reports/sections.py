@@ -1,8 +1,8 @@
 """Sections of the page: title, inputs, and where each is written.
 
 A new section is a line here; if no report of the pipeline has its text, also a function in
-``slider.reports.page``. This module draws nothing, so that the jobs are laid out without what
-draws.
+``slider.reports.page``. Every protocol is a section by its name. This module draws nothing, so that
+the jobs are laid out without what draws.
 """
 
 from typing import NamedTuple
@@ -11,8 +11,6 @@ from slider.config.schema import Config
 from slider.core.errors import one_of
 
 OPTIONAL = "?"
-PROTOCOLS = ("robust", "sweep", "joystick", "heldout")
-"""Sections about a protocol each; a configuration may be without it."""
 
 
 class PageSection(NamedTuple):
@@ -55,30 +53,34 @@ SECTIONS = {
         "Provenance",
         ("library.gaits", "library", *_TRAININGS, "table1.evaluations", "table1"),
     ),
-    "robust": _reported(
+}
+_PROTOCOLS = {  # title, and text above the report
+    "robust": (
         "Disturbed robots",
-        "robust",
-        about="Noise, delay, pushes, and robots and ground that differ from those of the training.",
+        "Noise, delay, pushes, and robots and ground that differ from those of the training.",
     ),
-    "sweep": _reported("Sweep of the commanded speed", "sweep"),
-    "joystick": _reported(
-        "Changing commands", "joystick", about="Commands as from a joystick, changing on the way."
-    ),
-    "heldout": _reported(
+    "sweep": ("Sweep of the commanded speed", ""),
+    "joystick": ("Changing commands", "Commands as from a joystick, changing on the way."),
+    "heldout": (
         "Held-out commands",
-        "heldout",
-        about="Speeds between those that checkpoints are chosen by, a minute of each, stops, "
-        "sideways.",
+        "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
     ),
 }
 
 
+def page_section(name: str) -> PageSection:
+    """A section of the table, or that of a protocol."""
+    if name in SECTIONS:
+        return SECTIONS[name]
+    title, about = _PROTOCOLS.get(name, (name.replace("_", " ").capitalize(), ""))
+    return _reported(title, name, about=about)
+
+
 def check_sections(config: Config) -> None:
-    """Each section of the page exists, and so does the protocol that it is about.
+    """Each section of the page is of the table, or a protocol.
 
     Raises:
         UserError: names those that there are.
     """
-    names = [name for name in SECTIONS if name not in PROTOCOLS or name in config.protocols]
     for name in config.report.sections:
-        one_of("report.sections", name, names)
+        one_of("report.sections", name, [*SECTIONS, *config.protocols])

@@ -15,7 +15,8 @@ import pipeline
 
 sys.path[0] = f"{workflow.basedir}/src"
 from pipeline.console import Console
-from pipeline.entry import cancel_rest, end_as_by_ctrl_c, open_pipeline
+from pipeline.entry import end_as_by_ctrl_c, open_pipeline
+from pipeline.private import cancel_rest
 
 
 report: "pipeline/captions/workflow.rst"

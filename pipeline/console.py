@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
+from pipeline.private import keep_reasons, needed_jobs
 from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
@@ -42,7 +42,6 @@ _ENDED = re.compile(
 )
 _BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # of some shells
 _OUT_OF_MEMORY = "SIGKILL, as the system does where memory runs out"
-_log_error = GroupJob.log_error  # Snakemake's own
 _REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
 
@@ -59,16 +58,13 @@ class Console:
         self._recipes: dict[int, str] = {}
         self._labels: dict[str, str] = {}
         logger.addFilter(self._is_news)
-        _keep_reasons()
+        keep_reasons()
 
     def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
         """Begin to show and to track the jobs that Snakemake is about to run."""
         with self._guarded():
             self.tracking = tracking
-            jobs = self.workflow.dag.needrun_jobs()
-            self._recipes = {
-                job.jobid: job.wildcards.recipe for job in jobs if hasattr(job.wildcards, "recipe")
-            }
+            self._recipes = needed_jobs(self.workflow)
             self._labels = {recipe: plan.jobs[recipe].label for recipe in self._recipes.values()}
             settings = self.workflow.resource_settings
             cores = settings.cores or settings.nodes or 1
@@ -128,15 +124,6 @@ class Console:
             kept = "results and checkpoints are kept, the same command again goes on from there"
             label = self._labels.get(recipe, "the job")
             print(f"slider: {label}: ended by {cause}; {kept}", file=sys.stderr)
-
-
-def _keep_reasons() -> None:
-    """Add the reason to the record of a failed group, as a failed job's has it."""
-
-    def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
-        _log_error(self, msg, aux_logs, rule_msg=msg, **kwargs)
-
-    GroupJob.log_error = log_error
 
 
 def _explain(event: LogEvent | None, record: dict[str, Any], remote: bool) -> None:

@@ -5,7 +5,6 @@ import getpass
 import os
 import shlex
 import signal
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,6 +14,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from pipeline import private
 from pipeline.stages.page import with_renderer
 from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
 from slider.artefacts.maintenance import drop_damaged
@@ -157,14 +157,11 @@ class Pipeline:
         of the head. SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
         """
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        if workflow.local_exec:
-            # The limit of submissions, which no option lifts (9.27): each job that ends would start
-            # one more thread per second for it.
-            workflow.scheduler.job_rate_limiter = None
-        else:
-            settings = workflow.config_settings
-            settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
-        self._forget_forced(workflow.dag)
+        private.pass_on(workflow, PLAN, self.plan_path)
+        for recipe in private.forced_recipes(workflow):  # to compute anew, not to reuse
+            job = self.plan.jobs[recipe]
+            objects = {name: [*map(self._object, jobs)] for name, jobs in job.inputs.items()}
+            self.store.index_path(job.key(objects)).unlink(missing_ok=True)
         note_start(self.store.root, self.overrides)
         if self.config.tracking.enabled:
             overrides = " ".join(self.overrides)
@@ -177,18 +174,6 @@ class Pipeline:
                 tags={"plan": self.plan_path.stem, "overrides": overrides},
                 common={_TAGS[name]: value for name, value in revision().items()},
             )
-
-    def _forget_forced(self, dag: Any) -> None:
-        """Let jobs that ``-R``, ``-f`` or ``-F`` names compute anew, not reuse their results."""
-        for job in dag.needrun_jobs():
-            recipe = getattr(job.wildcards, "recipe", None)
-            if recipe and dag.reason(job).forced:
-                spec = self.plan.jobs[recipe]
-                objects = {
-                    name: [self._object(job) for job in specs]
-                    for name, specs in spec.inputs.items()
-                }
-                self.store.index_path(spec.key(objects)).unlink(missing_ok=True)
 
     def _object(self, job: JobSpec) -> str:
         """Digest of a result; empty without one."""
@@ -208,16 +193,6 @@ def end_as_by_ctrl_c() -> None:
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_DFL:  # not under nohup
             signal.signal(number, signal.default_int_handler)
-
-
-def cancel_rest(workflow: Any) -> None:
-    """Cancel cluster jobs that Snakemake lost: submitted or asked about when it is interrupted.
-
-    All jobs of a run have its name.
-    """
-    name = getattr(getattr(workflow.scheduler, "_executor", None), "run_uuid", None)
-    if name:
-        subprocess.run(["scancel", f"--name={name}"], check=False)
 
 
 @one_line()

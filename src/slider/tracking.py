@@ -22,13 +22,16 @@ from filelock import Timeout
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store, exclusive
+from slider.core import files
 from slider.core.files import flatten, plain
 
 DATABASE = "mlflow.db"  # below artefacts/
+LATEST = "current/runs"  # part of the address of the latest pipeline's runs
 FINISHED, FAILED = "FINISHED", "FAILED"
 _APART = "gait"  # stage with an experiment of its own: its many runs would bury the others
 _SHOWN = (".csv", ".svg", ".html", ".pt", ".onnx", ".xml", ".json")  # files of a result
 _PERIOD, _PATIENCE = 1.0, 60.0  # between two looks at running jobs, and for the end [s]
+ARTIFACT_ROOT = "_MLFLOW_SERVER_ARTIFACT_ROOT"  # private; see tests/test_private.py
 _MAX_PARAM = 5000  # characters of a parameter's value
 _PARENT, _PIPELINE, _NOTE = "mlflow.parentRunId", "pipeline", "mlflow.note.content"
 _KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
@@ -134,6 +137,8 @@ class Tracking:
             _close_killed(self._client, self._store)
             self._id = self._create(self._experiment, name, began, tags, params)
             held.enter_context(exclusive(self._store.locks, self._id))
+            latest = page(self._experiments[self._experiment])
+            files.write_atomic(self._store.root / LATEST, latest)
 
     @property
     def _gaits(self) -> str:
@@ -225,7 +230,7 @@ def page(experiment: str) -> str:
 def _connect(store: Store) -> Any:
     os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
     # MLflow pastes the path of this folder into SQL; in an address a quote of it is %27.
-    os.environ["_MLFLOW_SERVER_ARTIFACT_ROOT"] = (store.root / "mlruns").resolve().as_uri()
+    os.environ[ARTIFACT_ROOT] = (store.root / "mlruns").resolve().as_uri()
     os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "WARNING")
     from mlflow import MlflowClient
 
@@ -238,7 +243,7 @@ def _connect(store: Store) -> Any:
 
 def _experiment(client: Any, name: str) -> str:
     known = client.get_experiment_by_name(name)
-    place = os.environ["_MLFLOW_SERVER_ARTIFACT_ROOT"]
+    place = os.environ[ARTIFACT_ROOT]
     experiment = known.experiment_id if known else client.create_experiment(name, place)
     client.set_experiment_tag(experiment, *_KIND)
     return experiment

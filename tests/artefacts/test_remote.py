@@ -2,11 +2,10 @@
 
 import errno
 import os
-import sys
+from unittest.mock import Mock
 
 import fsspec
 import pytest
-from fsspec.registry import _registry
 
 from slider.artefacts.remote import MARKER, Remote
 from slider.core.errors import UserError
@@ -42,8 +41,8 @@ def test_unknown_hosts_and_users_are_refused(tmp_path):
 
 
 def test_missing_packages_have_a_name(monkeypatch):
-    monkeypatch.setitem(sys.modules, "sshfs", None)
-    monkeypatch.delitem(_registry, "sftp", raising=False)
+    missing = Mock(side_effect=ImportError("Install sshfs"))  # as fsspec says it
+    monkeypatch.setattr(fsspec, "url_to_fs", missing)
     text = r"needs packages: pip install -e '\.\[remote\]' -c constraints\.txt$"
     with pytest.raises(UserError, match=text):
         Remote("sftp://host/x").open()

@@ -1,10 +1,11 @@
 """What ``slider runs`` needs."""
 
 import socket
-import sqlite3
-from contextlib import closing
 
 import pytest
+
+from slider.core import files
+from slider.tracking import DATABASE, LATEST
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no database"])
@@ -16,11 +17,8 @@ def test_without_runs_it_is_one_line(tmp_path, refused, content):
 
 
 def test_a_taken_port_is_one_line(tmp_path, refused):
-    with closing(sqlite3.connect(tmp_path / "mlflow.db")) as database, database:
-        database.execute("CREATE TABLE runs (run_uuid, experiment_id, start_time)")
-        database.execute("CREATE TABLE tags (run_uuid, key)")
-        database.execute("INSERT INTO runs VALUES ('a', 1, 0)")
-        database.execute("INSERT INTO tags VALUES ('a', 'plan')")
+    for name in (DATABASE, LATEST):
+        files.write_atomic(tmp_path / name, "")
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()

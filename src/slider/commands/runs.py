@@ -3,19 +3,15 @@
 import argparse
 import os
 import socket
-import sqlite3
 import sys
-from contextlib import closing
 
 from slider.artefacts.current import add_store_argument
 from slider.core.errors import UserError, require
-from slider.tracking import DATABASE, page
+from slider.tracking import DATABASE, LATEST
 
 HOST = "127.0.0.1"
 # Without workers for jobs that nothing here uses: each is one more import of MLflow.
 _SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
-_LATEST = """SELECT experiment_id FROM runs JOIN tags USING (run_uuid) WHERE key = 'plan'
-ORDER BY start_time DESC"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,15 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Say which address shows the runs, and become MLflow's server."""
-    database = (arguments.artefacts / DATABASE).resolve()
-    try:
-        with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
-            experiment = str(connection.execute(_LATEST).fetchone()[0])
-    except (sqlite3.Error, TypeError):  # no database, or no row
+    database, latest = ((arguments.artefacts / name).resolve() for name in (DATABASE, LATEST))
+    if not (database.is_file() and latest.is_file()):
         expected = f"expected runs in {database}, found none"
-        raise UserError(f"{expected}: run a pipeline with tracking.enabled=true") from None
+        raise UserError(f"{expected}: run a pipeline with tracking.enabled=true")
     check_port(arguments.port, HOST)
-    print(f"open http://{HOST}:{arguments.port}/#{page(experiment)}", flush=True)
+    print(f"open http://{HOST}:{arguments.port}/#{latest.read_text('utf-8')}", flush=True)
     command = [sys.executable, "-m", "mlflow", "ui", "--workers", "1", "--host", HOST]
     command += ["--port", str(arguments.port), "--backend-store-uri", f"sqlite:///{database}"]
     os.execve(sys.executable, command, os.environ | _SETTINGS)

@@ -24,6 +24,8 @@ from slider.robot.names import NUM_JOINTS, joint_names
 FORMAT = "slider-policy"
 VERSION = 9
 _ALL = slice(None)  # robots
+MEAN, STD, VARIANCE = (f"obs_normalizer._{name}" for name in ("mean", "std", "var"))
+"""Private names of rsl-rl in the state of an actor; see ``tests/test_private.py``."""
 UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
 ACTIVATIONS: dict[str, type[nn.Module]] = {"elu": nn.ELU, "relu": nn.ReLU, "tanh": nn.Tanh}
 
@@ -68,8 +70,8 @@ def from_actor(
     with torch.random.fork_rng(devices=[]):  # initial weights, overwritten below
         network = PolicyNetwork(num_observations, num_actions, hidden, activation)
     network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
-    network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))
-    std = state["obs_normalizer._std"].squeeze(0)
+    network.mean.copy_(state[MEAN].squeeze(0))
+    std = state[STD].squeeze(0)
     network.std.copy_(torch.where(std < UNVARIED, 1.0, std) + epsilon)
     return network.eval()
 

@@ -21,7 +21,15 @@ import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
-from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
+from slider.control.policy import (
+    STD,
+    UNVARIED,
+    VARIANCE,
+    Policy,
+    from_actor,
+    save,
+    save_policy,
+)
 from slider.core.errors import not_read
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
@@ -187,9 +195,8 @@ def set_up_torch() -> None:
 
 def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     """A network's state with standard deviation 1 of the observations that did not vary."""
-    unvaried = state["obs_normalizer._std"] < UNVARIED
-    names = ("obs_normalizer._std", "obs_normalizer._var")
-    return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in names}}
+    unvaried = state[STD] < UNVARIED
+    return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in (STD, VARIANCE)}}
 
 
 def _noise_seed(seed: int, iteration: int) -> int:

@@ -1,0 +1,54 @@
+"""Parts of other packages that these do not promise: what moved, with a new version, has a name."""
+
+import inspect
+from typing import Any
+
+import pytest
+import snakemake_executor_plugin_slurm as slurm
+from mlflow.tracking._tracking_service import utils
+from rsl_rl.models import MLPModel
+from rsl_rl.modules import EmpiricalNormalization
+from snakemake.api import Workflow  # first: its modules import each other
+from snakemake.jobs import GroupJob, Reason
+from snakemake.settings.types import ConfigSettings
+from snakemake.spawn_jobs import SpawnedJobArgsFactory
+from snakemake.workflow import DAG, JobScheduler
+
+from slider.control.policy import MEAN, STD, VARIANCE
+from slider.tracking import ARTIFACT_ROOT
+
+SNAKEMAKE: dict[str, tuple[Any, str]] = {
+    "a group's failure takes the reason": (
+        GroupJob,
+        "def log_error(self, msg=None, aux_logs: Optional[list] = None, **kwargs)",
+    ),
+    "and adds what it is given to the record": (GroupJob, "**kwargs,\n"),
+    "jobs to run": (DAG, "def needrun_jobs(self"),
+    "why a job runs": (DAG, "def reason(self, job)"),
+    "forced by the command line": (Reason, "self.forced = "),
+    "number of a job": (DAG, "def jobid(self, job)"),
+    "limit of submissions": (JobScheduler, "if self.job_rate_limiter is None:"),
+    "--config of cluster jobs": (ConfigSettings, "config_args: Optional[str]"),
+    "passed on to them": (SpawnedJobArgsFactory, "config_settings.config_args"),
+    "processes of a cluster": (Workflow, "def is_main_process"),
+    "executor": (JobScheduler, "self._executor = "),
+    "name of all Slurm jobs of a run": (slurm.Executor, "self.run_uuid = "),
+}
+
+
+@pytest.mark.parametrize("what", SNAKEMAKE)
+def test_snakemake_still_has(what):
+    """As ``pipeline/private.py`` uses it."""
+    owner, text = SNAKEMAKE[what]
+    assert text in inspect.getsource(owner), f"{owner.__qualname__} has no longer: {text.strip()}"
+
+
+def test_rsl_rl_still_names_its_normaliser_so():
+    names = {f"obs_normalizer.{name}" for name in EmpiricalNormalization(3).state_dict()}
+    assert {MEAN, STD, VARIANCE} <= names
+    assert "self.obs_normalizer" in inspect.getsource(MLPModel)
+
+
+def test_mlflow_still_reads_the_place_of_its_files():
+    text = inspect.getsource(utils)
+    assert f'"{ARTIFACT_ROOT}"' in text, f"expected {ARTIFACT_ROOT} in {utils.__name__}"

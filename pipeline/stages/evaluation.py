@@ -173,22 +173,31 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     check_walkable(config, "second_engine.protocol.controllers", settings.protocol.controllers)
     names, usual = settings.friction_controllers, config.robot.contact.friction
     slippery = replace(settings.protocol, controllers=names, speeds=[settings.friction_speed])
-    drake, engines, evaluations = {"drake_step": settings.timestep}, [], []
-    section = {"robot": robot(config), "physics": to_dict(config.env.physics)} | drake
-    audit = job("drake_audit", "audit of Drake's model", section, tracked=False)
+    model = {"robot": robot(config), "physics": to_dict(config.env.physics)}
+    audits, rows, evaluations = {}, [], []
+    for contact in settings.contacts:
+        section = model | {"drake": {"timestep": settings.timestep, "contact": contact}}
+        label, name = f"audit of Drake's model, {contact}", f"Drake, {contact}"
+        audits[name] = job("drake_audit", label, section, tracked=False)
     for friction in (usual, *settings.frictions):
         protocol = settings.protocol if friction == usual else slippery
         contact = replace(config.robot.contact, friction=friction)
         there = replace(config, robot=replace(config.robot, contact=contact))
         for one in evaluations_of(there, protocol, jobs, f", friction {friction:g}"):
-            inputs = {**one.inputs, "audit": [audit]}
-            label, section = f"{one.label}, Drake", {**one.section, **drake}
-            engines += [("MuJoCo", friction), ("Drake", friction)]
-            evaluations += [one, job("drake_evaluation", label, section, inputs)]
+            made = {"MuJoCo": one} | {name: _in_drake(one, name, audits[name]) for name in audits}
+            rows += [(name, friction) for name in made]
+            evaluations += made.values()
     section = titles(config, settings.protocol.controllers)
-    section |= {"engines": engines, "friction": usual, "protocol": to_dict(settings.protocol)}
-    inputs = {"evaluations": evaluations, "audit": [audit]}
+    section |= {"engines": rows, "friction": usual, "protocol": to_dict(settings.protocol)}
+    inputs = {"evaluations": evaluations, "audits": list(audits.values())}
     return job("second_engine", "second engine", section, inputs)
+
+
+def _in_drake(evaluation: JobSpec, engine: str, audit: JobSpec) -> JobSpec:
+    """An evaluation in Drake, which begins after the audit of the model."""
+    section = {**evaluation.section, "drake": audit.section["drake"]}
+    inputs = {**evaluation.inputs, "audit": [audit]}
+    return job("drake_evaluation", f"{evaluation.label}, {engine}", section, inputs)
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:

@@ -1,6 +1,7 @@
 """Drake's model of the robot: its audit finds what is changed, and robots stand and fall in it."""
 
 import copy
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,22 +17,23 @@ from slider.env.starts import at_rest
 from slider.evaluation import drake
 from slider.evaluation.results import Evaluation
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from tests.control.policies import write_policy
 from tests.env.synthetic import config
 from tests.evaluation.test_stage import section
 
-STEP = 0.001
+DRAKE = {"timestep": 0.001, "contact": "lagged"}
 
 
 @pytest.fixture(scope="module")
 def model():
     whole = config()
     model = build_model(whole.robot, SimulationOptions.of(whole.env.physics))
-    model.opt.timestep = STEP
+    model.opt.timestep = DRAKE["timestep"]
     return model
 
 
 def audit(model, built):
-    return drake.audit(model, DrakeRobot(built, STEP), nominal_qpos(config().robot))
+    return drake.audit(model, DrakeRobot(built, **DRAKE), nominal_qpos(config().robot))
 
 
 def test_the_model_has_mujocos_numbers(model):
@@ -95,7 +97,7 @@ def test_onboard_state_and_loads_are_those_of_mujoco(model):
     whole = config("env.sensing=onboard")
     starts = at_rest(whole.robot, whole.evaluation.start, np.random.default_rng(1), 2)
     seen = []
-    for engine in (BatchedPhysics, DrakePhysics):
+    for engine in (BatchedPhysics, partial(DrakePhysics, drake=DRAKE)):
         physics = engine(whole.robot, whole.env.physics, 2, onboard=whole.env.estimation)
         physics.restart_disturbances()
         physics.reset(np.arange(2), *starts)
@@ -110,9 +112,7 @@ def test_onboard_state_and_loads_are_those_of_mujoco(model):
 
 def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path):
     whole = config("experiment=test")
-    random = section(duration=2.0) | {"drake_step": STEP}
-    from tests.control.policies import write_policy
-
+    random = section(duration=2.0) | {"drake": DRAKE}
     write_policy(tmp_path / "policy.pt")
     (tmp_path / "out").mkdir()
     job = Job(tmp_path / "work")
@@ -120,5 +120,7 @@ def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path
     assert summary["success_rate"] == 0.0
     assert not Evaluation.load(tmp_path / "out").robots["survived"].any()
     pushed = config("evaluation/disturbance=robust").evaluation.disturbance
-    with pytest.raises(UserError, match=r"^evaluation\.disturbance: expected nominal robots"):
-        DrakePhysics(whole.robot, whole.env.physics, 1, disturbance=Disturbance(pushed, (0,)))
+    with pytest.raises(UserError, match=r"^Drake: disturbance: expected nominal robots"):
+        DrakePhysics(
+            whole.robot, whole.env.physics, 1, drake=DRAKE, disturbance=Disturbance(pushed, (0,))
+        )

@@ -205,6 +205,8 @@ class SecondEngineConfig(t.Group):
     """on both engines, from the same starts"""
     timestep: t.Positive[t.Seconds]
     """of Drake; a divisor of env.physics.timestep"""
+    contacts: t.Distinct[t.Some[Literal["lagged", "similar", "sap"]]]
+    """of Drake, its approximations of contact"""
     frictions: t.Falling[t.Some[t.Positive[t.Factor]]]
     """of feet and floor, in place of robot.contact.friction, until the robots fall"""
     friction_controllers: t.Distinct[t.Some[t.Name]]

@@ -8,6 +8,8 @@ estimator, terminations and metrics are the same code for both engines.
 # mujoco has no type stubs for its compiled part; drake is optional.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -15,7 +17,6 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from slider.config.env import DisturbanceConfig
 from slider.core.errors import require
 from slider.env.disturbance import Disturbance, has_terrain
 from slider.env.physics import BatchedPhysics
@@ -32,9 +33,10 @@ class DrakeRobot:
         plant, context: Drake's model and its state.
     """
 
-    def __init__(self, model: mujoco.MjModel, timestep: float) -> None:
+    def __init__(self, model: mujoco.MjModel, timestep: float, contact: str) -> None:
         builder = DiagramBuilder()
-        self.plant, motors = add_robot(builder, model, timestep), Motors.of(model)
+        self.plant = add_robot(builder, model, timestep, contact)
+        motors = Motors.of(model)
         inputs, self._torques = add_drives(builder, self.plant, motors)
         builder.ExportInput(inputs)
         diagram = builder.Build()
@@ -93,8 +95,8 @@ class DrakeRobot:
 class DrakePhysics(BatchedPhysics):
     """Steps ``num_robots`` nominal robots on flat ground, one after the other.
 
-    Drake makes whole numbers of steps of ``drake_step`` [s] for each of MuJoCo's. Other arguments
-    are those of ``BatchedPhysics``.
+    ``drake`` are ``timestep`` [s], a divisor of MuJoCo's, and ``contact``. Other arguments are
+    those of ``BatchedPhysics``.
 
     Raises:
         UserError: the robots differ, are pushed, or are on uneven ground.
@@ -103,15 +105,18 @@ class DrakePhysics(BatchedPhysics):
     def __init__(
         self,
         *args: Any,
-        drake_step: float = 0.001,
+        drake: Mapping[str, Any],
         disturbance: Disturbance | None = None,
         **settings: Any,
     ) -> None:
         super().__init__(*args, disturbance=disturbance, **settings)
         if disturbance is not None:
-            _check(disturbance.config)
-        self._robot, self._timestep = DrakeRobot(self.model, drake_step), self.model.opt.timestep
-        self._ratio = round(self._timestep / drake_step)
+            config, expected = disturbance.config, "nominal robots on flat ground, not pushed"
+            others = vary(config) or has_terrain(config) or config.push.impulse.upper > 0
+            require(not others, "Drake: disturbance", expected, "others")
+        self._build = partial(DrakeRobot, self.model, **drake)
+        self._robot, self._timestep = self._build(), self.model.opt.timestep
+        self._ratio = round(self._timestep / drake["timestep"])
 
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps of MuJoCo's length.
@@ -127,7 +132,7 @@ class DrakePhysics(BatchedPhysics):
                     torques = self._robot.advance(inputs, self._ratio)
                 except RuntimeError:  # as a blown-up simulation of MuJoCo's
                     states[index, step:] = np.nan
-                    self._robot = DrakeRobot(self.model, self._timestep / self._ratio)
+                    self._robot = self._build()
                     break
                 states[index, step, 0] += (step + 1) * self._timestep
                 states[index, step, 1:] = np.concatenate(self._robot.state())
@@ -147,10 +152,3 @@ class DrakePhysics(BatchedPhysics):
         states, sensors = self._series
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
         return sensors.take(self._index.torques, 2), speeds
-
-
-def _check(config: DisturbanceConfig) -> None:
-    pushed = config.push.impulse.upper > 0
-    same = not (vary(config) or has_terrain(config) or pushed)
-    expected = "nominal robots on flat ground without pushes, in Drake"
-    require(same, "evaluation.disturbance", expected, "others")

@@ -24,8 +24,8 @@ engines from the same starts. Errors, slip and depth are those of robots that st
 `second_engine.csv` has all numbers, and how the robots walk.
 """
 _AUDIT = """\
-Worst part of each quantity in the audit of Drake's model, by MuJoCo's numbers, in SI units. A
-difference beyond what is allowed stops the evaluations.
+Worst part of each quantity in the audit of Drake's model (of the first contact above), by MuJoCo's
+numbers, in SI units. A difference beyond what is allowed stops the evaluations.
 """
 
 
@@ -35,7 +35,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     engines = pd.DataFrame(section["engines"], columns=["engine", "friction"])
     frame = pd.concat([engines, report.measured(ours)], axis=1)
     tables.write(frame, out / "second_engine.csv")
-    audit = json.loads((inputs["audit"][0] / AUDIT).read_text(encoding="utf-8"))
+    audit = json.loads((inputs["audits"][0] / AUDIT).read_text(encoding="utf-8"))
     body = [[one["quantity"], one["part"], *(f"{one[k]:.1g}" for k in _SIZES)] for one in audit]
     audited = Table(["quantity", "part", *_SIZES], body, "Audit")
     shown = [across(*parts) for parts in _parts(frame, section["friction"])]

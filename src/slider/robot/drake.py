@@ -9,6 +9,7 @@ motors of a capstan has no coupling term.
 # mujoco has no type stubs for its compiled part; drake is optional.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
+import logging
 from typing import Any, NamedTuple
 
 import mujoco
@@ -42,7 +43,15 @@ except ModuleNotFoundError as error:
     message = "expected Drake, found none: pip install -e '.[drake]' -c constraints.txt"
     raise UserError(message) from error
 
+# Drake warns of half spaces and deformable bodies, of which there are none.
+logging.getLogger("drake").setLevel(logging.ERROR)
 _GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
+_SHAPES = {
+    _GEOM.mjGEOM_PLANE: lambda size: HalfSpace(),
+    _GEOM.mjGEOM_SPHERE: lambda size: Sphere(size[0]),
+    _GEOM.mjGEOM_CAPSULE: lambda size: Capsule(size[0], 2 * size[1]),
+    _GEOM.mjGEOM_BOX: lambda size: Box(*(2 * size)),
+}
 
 
 class Motors(NamedTuple):
@@ -104,12 +113,15 @@ def add_drives(builder: Any, plant: Any, motors: Motors) -> tuple[Any, Any]:
     return scale.get_input_port(), torques
 
 
-def add_robot(builder: Any, model: mujoco.MjModel, timestep: float) -> "MultibodyPlant":
-    """Add robot and ground in Drake's default contact settings, stepped by ``timestep`` [s].
+def add_robot(
+    builder: Any, model: mujoco.MjModel, timestep: float, contact: str
+) -> "MultibodyPlant":
+    """Add robot and ground, stepped by ``timestep`` [s]; stiffness and damping are Drake's default.
 
-    The default is a point contact solved by SAP, its stiffness by a penetration of 1 mm.
+    ``contact`` is one of Drake's approximations of point contact that its solver SAP solves.
     """
-    plant, scene = AddMultibodyPlant(MultibodyPlantConfig(time_step=timestep), builder)
+    settings = MultibodyPlantConfig(time_step=timestep, discrete_contact_approximation=contact)
+    plant, scene = AddMultibodyPlant(settings, builder)
     plant.mutable_gravity_field().set_gravity_vector(model.opt.gravity)
     bodies = [plant.world_body()]
     for index in range(1, model.nbody):
@@ -149,19 +161,9 @@ def _add_joint(plant: Any, model: mujoco.MjModel, parent: Any, child: Any, body:
     lower, upper = model.jnt_range[joint]
     added.set_position_limits([lower], [upper])
     actuator = plant.AddJointActuator(name, plant.AddJoint(added))
-    actuator.set_default_rotor_inertia(model.dof_armature[dof] + _by_tendons(model, joint))
-
-
-def _by_tendons(model: mujoco.MjModel, joint: int) -> float:
-    """Inertia of the tendons over a joint [kg m², kg]."""
-    total = 0.0
-    for armature, start, count in zip(
-        model.tendon_armature, model.tendon_adr, model.tendon_num, strict=True
-    ):
-        wraps = slice(start, start + count)
-        crossed = model.wrap_objid[wraps] == joint
-        total += armature * float((model.wrap_prm[wraps][crossed] ** 2).sum())
-    return total
+    rotors = np.repeat(model.tendon_armature, model.tendon_num) * model.wrap_prm**2
+    inertia = model.dof_armature[dof] + rotors[model.wrap_objid == joint].sum()
+    actuator.set_default_rotor_inertia(inertia)
 
 
 def _add_geometry(plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[Any]) -> None:
@@ -169,26 +171,20 @@ def _add_geometry(plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[An
     feet, shapes, grounded = {names.foot(side) for side in names.SIDES}, {}, []
     for geom in range(model.ngeom):
         name, body = model.geom(geom).name, bodies[model.geom_bodyid[geom]]
-        radius, half, depth = model.geom_size[geom]
         turn = RotationMatrix(Quaternion(_unit(model.geom_quat[geom])))
         pose, properties = RigidTransform(turn, model.geom_pos[geom]), ProximityProperties()
         friction = model.geom_friction[geom, 0]
         if name == names.FLOOR:  # Drake's friction of a pair is the harmonic mean
             friction = model.geom(names.foot(names.SIDES[0])).friction[0]
         AddContactMaterial(properties=properties, friction=CoulombFriction(friction, friction))
-        shape = {
-            _GEOM.mjGEOM_PLANE: lambda: HalfSpace(),
-            _GEOM.mjGEOM_SPHERE: lambda r=radius: Sphere(r),
-            _GEOM.mjGEOM_CAPSULE: lambda r=radius, h=half: Capsule(r, 2 * h),
-            _GEOM.mjGEOM_BOX: lambda s=(radius, half, depth): Box(*(2 * np.array(s))),
-        }[_GEOM(model.geom_type[geom])]()
+        shape = _SHAPES[_GEOM(model.geom_type[geom])](model.geom_size[geom])
         shapes[geom] = plant.RegisterCollisionGeometry(body, pose, shape, name, properties)
         if name in feet:
-            for end, z in zip(names.FOOT_ENDS, (-half, half), strict=True):
-                tip = pose @ RigidTransform([0.0, 0.0, z])
-                sphere, title = Sphere(radius), f"{name}_{end}"
-                args = body, tip, sphere, title, properties
-                grounded.append(plant.RegisterCollisionGeometry(*args))
+            radius, half, _ = model.geom_size[geom]
+            for end, sign in zip(names.FOOT_ENDS, (-1, 1), strict=True):
+                tip = pose @ RigidTransform([0.0, 0.0, sign * half])
+                sphere = body, tip, Sphere(radius), f"{name}_{end}", properties
+                grounded.append(plant.RegisterCollisionGeometry(*sphere))
         elif model.geom_conaffinity[geom]:
             grounded.append(shapes[geom])
     filters, floor = scene.collision_filter_manager(), shapes[model.geom(names.FLOOR).id]

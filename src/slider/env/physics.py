@@ -6,7 +6,6 @@
 import copy
 import ctypes
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -15,7 +14,7 @@ from mujoco import rollout
 
 from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.core.arrays import Array
+from slider.core.arrays import Array, consecutive
 from slider.env.disturbance import (
     TILES,
     Disturbance,
@@ -195,17 +194,26 @@ class BatchedPhysics:
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
         spec = _CONTROL | _APPLIED if control.shape[2] > self.model.nu else _CONTROL
-        run = partial(self._pool.rollout, control_spec=int(spec))
-        if not self._inactive.any():
-            states, sensors = run(self.models, self._data, self.state, control)
-            return np.asarray(states), np.asarray(sensors)
-        states = np.repeat(self.state[:, None], self._substeps, axis=1)
-        sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
-        going = np.flatnonzero(~self._inactive)
+        shape, still = (self.num_robots, self._substeps), self._inactive
+        states = np.empty((*shape, self.state.shape[1]))
+        sensors = np.empty((*shape, self._sensors.shape[1]))
+        states[still], sensors[still] = self.state[still, None], self._sensors[still, None]
+        going = np.flatnonzero(~still)
         if len(going):
-            models = [self.models[i] for i in going]
-            series = run(models, self._data, self.state[going], control[going])
-            states[going], sensors[going] = series
+            rows = consecutive(going)
+            results = states[rows], sensors[rows]
+            self._pool.rollout(
+                self.models if len(going) == len(still) else [self.models[i] for i in going],
+                self._data,
+                self.state[rows],
+                control[rows],
+                control_spec=int(spec),
+                skip_checks=True,  # of every model in every step
+                nstep=self._substeps,
+                state=results[0],
+                sensordata=results[1],
+            )
+            states[rows], sensors[rows] = results
         return states, sensors
 
     def _find_diverged(self, state: np.ndarray) -> np.ndarray:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import torch
 
 from slider.config.convert import from_dict
 from slider.config.env import DisturbanceConfig, EnvConfig, SensingConfig, TerrainConfig
@@ -74,7 +73,6 @@ def disturbed(
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write a row per level, direction [rad], speed [m/s] and seed: robots, survivors, passes."""
-    torch.set_num_threads(job.threads)
     protocol = from_dict(GaugeProtocol, section["protocol"])
     values, directions = section["values"], section["directions"]
     rows, failed, tested = [], False, 0

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import torch
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
@@ -19,7 +18,6 @@ from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
-from slider.control.policy import PolicyController, agent_of, load_policy
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import estimate_error, gait_quality, tracking
@@ -50,7 +48,6 @@ def run(
     All trials and robots of one command, ``speed`` [m/s], or of one ``case`` of a profile, for
     which also the records and traces of its segments are written.
     """
-    torch.set_num_threads(job.threads)
     config = from_dict(EvaluationConfig, section["evaluation"])
     robot, speed = from_dict(RobotConfig, section["robot"]), section["speed"]
     case = from_dict(CaseConfig, section["case"]) if section.get("case") else None
@@ -151,6 +148,11 @@ def simulate(
             gaits = EnforcedGaits.load(*folders, section["hzd"])
         controller = build_controller(robot, config, plant.physics, count, gaits, threads)
         return Simulated(controller, physics, plant)
+    import torch  # other controllers do not need the 2 s that this takes
+
+    from slider.control.policy import PolicyController, agent_of, load_policy
+
+    torch.set_num_threads(threads)
     env = from_dict(EnvConfig, section["env"])
     policy = load_policy(inputs["walking"][0] / POLICY_FILE)
     agent = agent_of(policy, policy.robot, env, count)

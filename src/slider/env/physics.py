@@ -234,8 +234,9 @@ class BatchedPhysics:
         Both (N, S, 10), for its S simulation steps.
         """
         states, sensors = self._series
-        states = np.concatenate([self._before[:, None], states], axis=1)
-        speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
+        joints = slice(-names.NUM_JOINTS, None)
+        rates = [self._before[:, None, joints], states[:, :, joints]]
+        speeds = self._motors.angles(np.concatenate(rates, axis=1))
         gain = 1.0 if self._disturber is None else self._disturber.motor_gain
         motors = replace(
             self._motors, torque=gain * self._motors.torque, stall=gain * self._motors.stall

@@ -122,7 +122,7 @@ class HzdSteps(Stepping):
         rate = phase_rate(walk.steps.hip, phase, speed) * walk.steps.duration
         walk.by_hip &= (phase >= start.lower) & (phase <= start.upper)
         walk.by_hip &= (rate >= pace.lower) & (rate <= pace.upper)
-        self._synchronise(walk, place, speed, np.ones(len(robots)))
+        self._synchronise(walk, phase, speed, np.ones(len(robots)))
         # At the next foothold the gait's centre of mass starts again.
         rows, feet = np.arange(len(robots)), dynamics.foot_positions[:, :, :2]
         first, last = walk.steps.orbit[:, 0], walk.steps.orbit[:, -1]
@@ -197,10 +197,12 @@ class HzdSteps(Stepping):
         return velocity
 
     def _synchronise(
-        self, walk: EnforcedSteps, place: np.ndarray, velocity: np.ndarray, growth: np.ndarray
+        self, walk: EnforcedSteps, phase: np.ndarray, velocity: np.ndarray, growth: np.ndarray
     ) -> None:
-        """Phase and its rate of those that go by the hip; it grows by ``growth`` (n,) at most."""
-        phase = phase_of(walk.steps.hip, place)
+        """Set ``phase`` and its rate of those that go by the hip.
+
+        It grows by ``growth`` (n,) at most, the hip has a ``velocity`` (n,) [m/s].
+        """
         phase = np.clip(phase, walk.phase, walk.phase + growth)
         pace, bounds = 1.0 / walk.steps.duration, self._config.hip_rate
         rate = phase_rate(walk.steps.hip, phase, velocity)
@@ -229,7 +231,7 @@ class HzdSteps(Stepping):
         """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
 
         There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
-        the foot's length leaves of the ankle.
+        the foot's length leaves of the ankle. The Jacobian of ``now`` is overwritten.
         """
         config, rate, by_hip = self._constraints, walk.rate[:, None], walk.by_hip
         value, slope, curve = walk.constraints.desired(walk.phase)
@@ -245,9 +247,8 @@ class HzdSteps(Stepping):
         slope[:, YAW] -= walk.steps.turn
         slope *= np.where(by_hip, 1.0 / np.where(by_hip, advance, 1.0), 0.0)[:, None]
         ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)
-        jacobian = now.jacobian.copy()
-        jacobian[:, :, :2] -= slope[:, :, None] * ahead[:, None]
-        jacobian = self._matrix @ jacobian
+        now.jacobian[:, :, :2] -= slope[:, :, None] * ahead[:, None]
+        jacobian = self._matrix @ now.jacobian
         desired = (desired - slope * bend[:, None]) @ self._matrix.T
         turn = -config.rate_gain * (walk.rate - 1.0 / walk.steps.duration)
         jacobian[by_hip, ANKLE] = 0.0
@@ -261,7 +262,7 @@ class HzdSteps(Stepping):
         """Phase now, and the foothold by feedback of the state: b = −K(s) (ξ − ξ*(s))."""
         place, speed = hip(dynamics, memory.stance[robots], walk.line)
         growth = self._period * self._config.hip_rate.upper / walk.steps.duration
-        self._synchronise(walk, place, speed, growth)
+        self._synchronise(walk, phase_of(walk.steps.hip, place), speed, growth)
         error = section(dynamics, memory.stance[robots]) - at_phase(walk.steps.orbit, walk.phase)
         gains = at_phase(walk.steps.gains, walk.phase, walk.by_hip.astype(int))
         target = -(gains @ error[:, :, None])[:, :, 0]

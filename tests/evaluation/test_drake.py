@@ -8,6 +8,8 @@ import pytest
 
 pytest.importorskip("pydrake", reason="Drake is not installed: pip install -e '.[drake]'")
 
+from pipeline.stages import all_jobs
+from pipeline.stages.evaluation import second_engine
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.disturbance import Disturbance
@@ -16,9 +18,12 @@ from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
 from slider.evaluation import drake
 from slider.evaluation.results import Evaluation
+from slider.reports import second_engine as report
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from tests.config.composed import composed
 from tests.control.policies import write_policy
 from tests.env.synthetic import config
+from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.evaluation.test_stage import section
 
 DRAKE = {"timestep": 0.001, "contact": "lagged"}
@@ -124,3 +129,25 @@ def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path
         DrakePhysics(
             whole.robot, whole.env.physics, 1, drake=DRAKE, disturbance=Disturbance(pushed, (0,))
         )
+
+
+def test_engines_and_frictions_stand_side_by_side(tmp_path, model, constant_code):
+    whole = composed("experiment=test", "speeds.table1=[0.4]", "second_engine.contacts=[lagged]")
+    made = second_engine(whole, all_jobs(whole))
+    here, there, slippery, again = made.inputs["evaluations"]
+    assert (here.stage, there.stage) == ("evaluation", "drake_evaluation")
+    assert there.inputs == {**here.inputs, "audit": list(made.inputs["audits"])}
+    assert there.section == {**here.section, "drake": DRAKE}
+    assert [job.section["robot"]["contact"]["friction"] for job in (slippery, again)] == [0.3] * 2
+    folders = [
+        write_evaluation(tmp_path / str(number), 0.4, make_robots([[1, number < 3]], [[0.1, 0.2]]))
+        for number in range(4)
+    ]
+    (tmp_path / "audit").mkdir()
+    drake.run_audit(made.inputs["audits"][0].section, {}, tmp_path / "audit", Job(tmp_path))
+    inputs = {"evaluations": folders, "audits": [tmp_path / "audit"]}
+    report.run(made.section, inputs, tmp_path, Job(tmp_path))
+    lines = (tmp_path / "second_engine.md").read_text().splitlines()
+    assert "| Success rate [%] | policy (ours) | MuJoCo | 100 | 100 |" in lines
+    assert "|  | policy (ours) | Drake, lagged | 50 | 100 |" in lines
+    assert any(line.startswith("| gravity torque | ") for line in lines)

@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from pipeline.stages import all_jobs, table1_jobs
-from pipeline.stages.evaluation import baseline_tuning, gauge_job, protocol_jobs
+from pipeline.stages.evaluation import baseline_tuning, gauge_job, protocol_jobs, second_engine
 from pipeline.stages.gaits import velocities
 from pipeline.stages.page import report
 from pipeline.studies import study_job
@@ -224,6 +224,13 @@ def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
     assert "table1" in jobs
     with pytest.raises(UserError, match=r"^gauge\.controllers: expected none .* found hzd"):
         gauge("experiment=paper", "gauge.controllers=[policy,hzd_onboard]")
+
+
+def test_the_second_engine_without_drake_is_one_line(monkeypatch):
+    config = composed("experiment=test")
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(UserError, match=r"^second_engine: expected Drake \(pip install .* none$"):
+        second_engine(config, all_jobs(config))
 
 
 def gauge(*overrides: str) -> JobSpec:

@@ -144,9 +144,10 @@ def test_engines_and_frictions_stand_side_by_side(tmp_path, model, constant_code
         for number in range(4)
     ]
     (tmp_path / "audit").mkdir()
-    drake.run_audit(made.inputs["audits"][0].section, {}, tmp_path / "audit", Job(tmp_path))
+    audited = dict(made.inputs["audits"][0].section)
+    drake.run_audit(audited, {}, tmp_path / "audit", Job(tmp_path))
     inputs = {"evaluations": folders, "audits": [tmp_path / "audit"]}
-    report.run(made.section, inputs, tmp_path, Job(tmp_path))
+    report.run(dict(made.section), inputs, tmp_path, Job(tmp_path))
     lines = (tmp_path / "second_engine.md").read_text().splitlines()
     assert "| Success rate [%] | policy (ours) | MuJoCo | 100 | 100 |" in lines
     assert "|  | policy (ours) | Drake, lagged | 50 | 100 |" in lines

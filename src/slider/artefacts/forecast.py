@@ -28,7 +28,7 @@ _FACTORS = {
     **dict.fromkeys(("gait", "gait_start"), ("formulation.nodes",)),
     **dict.fromkeys(("stability_gaits", "verification_gaits"), ("velocities",)),
     **dict.fromkeys(("standing", "walking"), _TRAINING),
-    **dict.fromkeys(("evaluation", "baseline"), _EVALUATION),
+    **dict.fromkeys(("evaluation", "baseline", "drake_evaluation"), _EVALUATION),
     "gauge_axis": (*_GAUGE, "values", "directions"),
     "gait_walks": ("steps",),
     "video": ("video.duration",),

@@ -9,7 +9,6 @@ foot level by b [m].
 """
 
 from dataclasses import dataclass, field
-from typing import Generic, Self, TypeVar
 
 import numpy as np
 
@@ -103,17 +102,14 @@ class Steps:
     lengths: KneeLengths | None
     slide_length: float | None
 
-    def constraints(self, config: VirtualConstraintsConfig) -> "StepConstraints[Self]":
+    def constraints(self, config: VirtualConstraintsConfig) -> "StepConstraints":
         """Virtual constraints of these steps."""
         span = config.placement.lower, config.placement.upper
         return StepConstraints(self, config.correction_end, span)
 
 
-AnySteps = TypeVar("AnySteps", bound=Steps)
-
-
 @dataclass
-class StepConstraints(Generic[AnySteps]):
+class StepConstraints:
     """Constraints of the steps that n robots are making, stance leg first.
 
     Attributes:
@@ -125,7 +121,7 @@ class StepConstraints(Generic[AnySteps]):
         displacement: b (n, 2) forward and left in the stance foot's reflected frame [m].
     """
 
-    steps: AnySteps
+    steps: Steps
     correction_end: float
     placement_span: tuple[float, float]
     anchor: np.ndarray = field(init=False)

@@ -15,7 +15,7 @@ from slider.config.convert import from_dict
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
-from slider.hzd.constraints import NodeTable, Steps
+from slider.hzd.constraints import NodeTable, StepConstraints, Steps
 from slider.hzd.gains import FootPlacement
 from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
@@ -23,23 +23,35 @@ from slider.robot.knee_map import KneeLengths
 from slider.robot.names import SIDES
 
 
-@dataclass(frozen=True)
-class GaitSteps(Steps):
-    """Steps of the gaits of n robots; S phases.
+@dataclass
+class EnforcedSteps:
+    """Present steps of n robots by their gaits; S phases.
 
     Attributes:
+        constraints: virtual constraints of the steps.
         duration: (n,) [s].
         turn: of the course over the step (n,) [rad].
         hip: forward place of the hip over the stance foot (m = 1) [m].
         gains: K (n, 2, S, 2, 4) of :class:`FootPlacement`, by time and by the hip.
         orbit: ξ* (n, S, 4).
+        by_hip: whether the hip's place gives the phase.
+        phase, rate: of the steps [1], [1/s].
+        line: yaw at which the gait has the stance foot's line (n,) [rad].
+        footholds: of the stance foot, of the swing foot before and, without its displacement, after
+            the step (n, 3, 2) [m], world.
     """
 
+    constraints: StepConstraints
     duration: np.ndarray
     turn: np.ndarray
     hip: NodeTable
     gains: np.ndarray
     orbit: np.ndarray
+    by_hip: np.ndarray
+    phase: np.ndarray
+    rate: np.ndarray
+    line: np.ndarray
+    footholds: np.ndarray
 
 
 class EnforcedGaits:
@@ -77,8 +89,8 @@ class EnforcedGaits:
         self._ends = np.cumsum([part.shape[2] for part in flat])
         self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
-    def at(self, velocities: np.ndarray, stance: np.ndarray) -> GaitSteps:
-        """Steps on the feet ``stance`` (n,) at velocities (n, 3); each as if it were alone."""
+    def at(self, velocities: np.ndarray, stance: np.ndarray) -> EnforcedSteps:
+        """Starts of steps on the feet ``stance`` (n,) at velocities (n, 3), independent of n."""
         values = np.empty((len(stance), self._table.shape[2]))
         for row, weights in enumerate(self._mesh.weights(velocities)):
             near = np.flatnonzero(weights)
@@ -89,8 +101,11 @@ class EnforcedGaits:
         roll, hip = (NodeTable(*(table[:, :, k, None] for k in range(3))) for table in tables)
         # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
         turns = velocities[:, 2] * times * side_of(stance)
-        legs = coefficients, roll, placement, *self._legs
-        return GaitSteps(*legs, times, turns, hip, gains, orbit)
+        by_hip = velocities[:, 0] >= self.constraints.slowest_hip
+        steps = Steps(coefficients, roll, placement, *self._legs).constraints(self.constraints)
+        phase, line = np.zeros((2, len(stance)))
+        state = by_hip, phase, 1.0 / times, line, np.zeros((len(stance), 3, 2))
+        return EnforcedSteps(steps, times, turns, hip, gains, orbit, *state)
 
     @classmethod
     def load(cls, library: Path, placement: Path, section: Mapping[str, Any]) -> "EnforcedGaits":

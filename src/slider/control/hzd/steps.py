@@ -1,12 +1,10 @@
 """Steps by virtual constraints: phase, re-anchoring at touchdown, foot placement and torques."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
-from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
+from slider.control.hzd.gaits import EnforcedGaits, EnforcedSteps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of, terrain_motion
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory
@@ -17,7 +15,7 @@ from slider.control.whole_body.tasks import Solved, Task
 from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
-from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
+from slider.hzd.constraints import Orders, phase_of, phase_rate
 from slider.robot.kinematics import leg_extension_jacobian, turn_to_heading
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
@@ -33,32 +31,6 @@ def hzd_controller(
     """Virtual constraints on a nominal robot, with ticks of ``period`` [s]."""
     plant = PlantModel(robot, config, config.descent, period)
     return WalkingController(plant, HzdSteps(robot, config, gaits, plant), observer)
-
-
-@dataclass
-class EnforcedSteps:
-    """Present steps of N robots.
-
-    Attributes:
-        constraints: virtual constraints of the steps.
-        phase, rate: of the steps [1], [1/s].
-        by_hip: whether the hip's place gives the phase.
-        line: yaw at which the gait has the stance foot's line (N,) [rad].
-        footholds: of the stance foot, of the swing foot before and, without its displacement, after
-            the step (N, 3, 2) [m], world.
-    """
-
-    constraints: StepConstraints[GaitSteps]
-    phase: np.ndarray
-    rate: np.ndarray
-    by_hip: np.ndarray
-    line: np.ndarray
-    footholds: np.ndarray
-
-    @property
-    def steps(self) -> GaitSteps:
-        """Steps of the gaits."""
-        return self.constraints.steps
 
 
 class HzdSteps(Stepping):
@@ -86,7 +58,7 @@ class HzdSteps(Stepping):
 
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
-        self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
+        self._walk = self._gaits.at(np.zeros((count, 3)), np.zeros(count, dtype=int))
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
@@ -112,20 +84,20 @@ class HzdSteps(Stepping):
         integrates = velocity == planned
         memory.correction[robots] = np.where(integrates, memory.correction[robots], before)
         yaw_rate = memory.yaw_rate(robots)[:, None]
-        walk = self._new(np.concatenate([velocity, yaw_rate], axis=1), stance)
-        memory.duration[robots] = walk.steps.duration
-        walk.line = memory.heading[robots] + side_of(stance) * walk.steps.turn / 2
+        walk = self._gaits.at(np.concatenate([velocity, yaw_rate], axis=1), stance)
+        memory.duration[robots] = walk.duration
+        walk.line = memory.heading[robots] + side_of(stance) * walk.turn / 2
         place, speed = hip(dynamics, stance, walk.line)
         # By the hip, where its place and velocity are near those of the gait's start.
         start, pace = self._config.hip_start, self._config.hip_rate
-        phase = phase_of(walk.steps.hip, place)
-        rate = phase_rate(walk.steps.hip, phase, speed) * walk.steps.duration
+        phase = phase_of(walk.hip, place)
+        rate = phase_rate(walk.hip, phase, speed) * walk.duration
         walk.by_hip &= (phase >= start.lower) & (phase <= start.upper)
         walk.by_hip &= (rate >= pace.lower) & (rate <= pace.upper)
         self._synchronise(walk, phase, speed, np.ones(len(robots)))
         # At the next foothold the gait's centre of mass starts again.
         rows, feet = np.arange(len(robots)), dynamics.foot_positions[:, :, :2]
-        first, last = walk.steps.orbit[:, 0], walk.steps.orbit[:, -1]
+        first, last = walk.orbit[:, 0], walk.orbit[:, -1]
         sideways = side_of(stance) * (first + last)[:, 0]
         stride = np.stack([(last - first)[:, 3], sideways], axis=1)
         here, before = feet[rows, stance], feet[rows, 1 - stance]
@@ -168,13 +140,6 @@ class HzdSteps(Stepping):
         self._walk.constraints.displacement[robots] = walk.constraints.displacement
         return solved
 
-    def _new(self, velocities: np.ndarray, stance: np.ndarray) -> EnforcedSteps:
-        config, steps = self._constraints, self._gaits.at(velocities, stance)
-        by_hip = velocities[:, 0] >= config.slowest_hip
-        phase, line = np.zeros((2, len(stance)))
-        rate, footholds = 1.0 / steps.duration, np.zeros((len(stance), 3, 2))
-        return EnforcedSteps(steps.constraints(config), phase, rate, by_hip, line, footholds)
-
     def _ground(self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray) -> Orders:
         """What the ground under the footholds, the next one displaced, changes of coordinates."""
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
@@ -204,8 +169,8 @@ class HzdSteps(Stepping):
         It grows by ``growth`` (n,) at most, the hip has a ``velocity`` (n,) [m/s].
         """
         phase = np.clip(phase, walk.phase, walk.phase + growth)
-        pace, bounds = 1.0 / walk.steps.duration, self._config.hip_rate
-        rate = phase_rate(walk.steps.hip, phase, velocity)
+        pace, bounds = 1.0 / walk.duration, self._config.hip_rate
+        rate = phase_rate(walk.hip, phase, velocity)
         rate = np.clip(rate, bounds.lower * pace, bounds.upper * pace)
         walk.phase = np.where(walk.by_hip, phase, walk.phase)
         walk.rate = np.where(walk.by_hip, rate, pace)
@@ -221,8 +186,8 @@ class HzdSteps(Stepping):
         """As if the ground were level, yaw of the line from where the gait's course has it."""
         stance, heading = memory.stance[robots], memory.heading[robots]
         result = motion(dynamics, stance, heading, memory.yaw_rate(robots), self._signs)
-        result.x[:, YAW] += walk.steps.turn * (walk.phase - 0.5)
-        result.rate[:, YAW] += walk.steps.turn * walk.rate
+        result.x[:, YAW] += walk.turn * (walk.phase - 0.5)
+        result.rate[:, YAW] += walk.turn * walk.rate
         result.x[:] -= ground[0]
         result.rate[:] -= ground[1] * walk.rate[:, None]
         return result
@@ -236,21 +201,21 @@ class HzdSteps(Stepping):
         config, rate, by_hip = self._constraints, walk.rate[:, None], walk.by_hip
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
-        sinking = self._config.descent * walk.steps.duration * (late > 0)
+        sinking = self._config.descent * walk.duration * (late > 0)
         value[:, SWING + self._sagittal] += (sinking * late)[:, None] * self._stretch
         slope[:, SWING + self._sagittal] += sinking[:, None] * self._stretch
         error, error_rate = value - now.x, slope * rate - now.rate
         desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
-        _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))
+        _, advance, bend = (order[:, 0] for order in walk.hip.at(walk.phase))
         bend *= walk.rate**2
         slope += ground[1]
-        slope[:, YAW] -= walk.steps.turn
+        slope[:, YAW] -= walk.turn
         slope *= np.where(by_hip, 1.0 / np.where(by_hip, advance, 1.0), 0.0)[:, None]
         ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)
         now.jacobian[:, :, :2] -= slope[:, :, None] * ahead[:, None]
         jacobian = self._matrix @ now.jacobian
         desired = (desired - slope * bend[:, None]) @ self._matrix.T
-        turn = -config.rate_gain * (walk.rate - 1.0 / walk.steps.duration)
+        turn = -config.rate_gain * (walk.rate - 1.0 / walk.duration)
         jacobian[by_hip, ANKLE] = 0.0
         jacobian[by_hip, ANKLE, :2] = ahead[by_hip]
         desired[by_hip, ANKLE] = (advance * turn + bend)[by_hip]
@@ -261,10 +226,10 @@ class HzdSteps(Stepping):
     ) -> None:
         """Phase now, and the foothold by feedback of the state: b = −K(s) (ξ − ξ*(s))."""
         place, speed = hip(dynamics, memory.stance[robots], walk.line)
-        growth = self._period * self._config.hip_rate.upper / walk.steps.duration
-        self._synchronise(walk, phase_of(walk.steps.hip, place), speed, growth)
-        error = section(dynamics, memory.stance[robots]) - at_phase(walk.steps.orbit, walk.phase)
-        gains = at_phase(walk.steps.gains, walk.phase, walk.by_hip.astype(int))
+        growth = self._period * self._config.hip_rate.upper / walk.duration
+        self._synchronise(walk, phase_of(walk.hip, place), speed, growth)
+        error = section(dynamics, memory.stance[robots]) - at_phase(walk.orbit, walk.phase)
+        gains = at_phase(walk.gains, walk.phase, walk.by_hip.astype(int))
         target = -(gains @ error[:, :, None])[:, :, 0]
         target = np.clip(target, -self._gaits.reach, self._gaits.reach)
         config = self._config

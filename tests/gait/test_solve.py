@@ -193,5 +193,5 @@ def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(name):
 
 
 def test_functions_depend_on_the_formulation():
-    facts = [each.facts for each in (form(), form(turning=True), form("knee"))]
-    assert all(facts[k] not in facts[:k] for k in range(len(facts)))
+    parameters = [each.parameters for each in (form(), form(turning=True), form("knee"))]
+    assert all(parameters[k] not in parameters[:k] for k in range(len(parameters)))

@@ -28,14 +28,14 @@ from slider.core.job import Job
 Functions = dict[str, ca.Function]
 """By name."""
 Source = Callable[[Any, Callable[[], Functions]], Functions]
-"""Gives functions that depend on facts alone, plain values; the second argument makes them."""
+"""Gives functions that depend on parameters alone, plain values; the second argument makes them."""
 
 _FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
 _PATIENCE = 300.0  # of a compilation [s]
 _SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
 
 
-def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:
+def interpreted(parameters: Any, derive: Callable[[], Functions]) -> Functions:
     """Functions as CasADi evaluates them; ``Compiled`` has faster ones."""
     return derive()
 
@@ -54,12 +54,12 @@ class Compiled:
         self._job, self._subject, self._min_pending_jobs = job, subject, min_pending_jobs
         self._run = job.metadata.get("pipeline_started", "")
 
-    def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
-        """Functions that depend on ``facts`` and the job's source alone."""
+    def __call__(self, parameters: Any, derive: Callable[[], Functions]) -> Functions:
+        """Functions that depend on ``parameters`` and the job's source alone."""
         if self._job.cache is None:
             return derive()
         machine = sys.platform, platform.machine()
-        path = self._job.cache / f"{files.digest_value([facts, *machine])}.so"
+        path = self._job.cache / f"{files.digest_value([parameters, *machine])}.so"
         if (names := self._names(path)) is not None:
             return _load(path, names) or derive()
         functions = derive()

@@ -167,4 +167,4 @@ class _GivesUp:
         self.control = controller.control
 
     def give_up(self, robots: np.ndarray) -> None:
-        """Do nothing: the roll-out retires them."""
+        """Do nothing: the roll-out deactivates them."""

@@ -43,7 +43,7 @@ class Formulation:
         return (StanceTree if self.config.dynamics == "knee" else PrismaticTree)(self.robot)
 
     @property
-    def facts(self) -> list[Any]:
+    def parameters(self) -> list[Any]:
         """All that its functions depend on."""
         return [asdict(self.robot), asdict(self.config), self.turning]
 

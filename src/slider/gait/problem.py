@@ -157,7 +157,7 @@ def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
         ]
         return {function.name(): function for function in parts}
 
-    derived = functions(form.facts, derive)
+    derived = functions(form.parameters, derive)
     return GaitProblem(form, layout, derived, node_constraints, end_constraints)
 
 

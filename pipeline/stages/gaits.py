@@ -18,6 +18,7 @@ from slider.core.machine import kernels
 from slider.verification.quantities import QUANTITIES
 
 Velocity = tuple[float, float, float]
+ANCHORS = 0.2  # distance of the gaits straight ahead that start from a guess [m/s]
 _BESIDE = ("steps", "chunk")  # settings that foot placement does not use
 _COLLECTED = ("on_failure", "bounds")  # settings of the collection of checks alone
 
@@ -59,10 +60,13 @@ def gait_section(config: Config) -> dict[str, Any]:
 
 
 def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
-    """One gait, which depends on no other velocity."""
+    """One gait, which starts from that of its anchor: whatever the grid, it is the same."""
     vx, vy, yaw_rate = velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
-    return job("gait", f"gait {vx:.2f} {vy:+.2f} m/s{turn}", shared | {"velocity": [*velocity]})
+    anchor = round(round(vx / ANCHORS) * ANCHORS, 10) + 0.0, 0.0, 0.0
+    inputs = {} if velocity == anchor else {"anchor": [gait(shared, anchor)]}
+    label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
+    return job("gait", label, shared | {"velocity": [*velocity]}, inputs)
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:

@@ -20,6 +20,17 @@ def test_a_gait_that_was_interrupted_within_ipopt_has_the_same_bytes(tmp_path):
         assert jobs.run(gait) == truth, number.name
 
 
+def test_gaits_solved_in_another_order_make_the_same_library(tmp_path):
+    jobs = Jobs.laid_out(tmp_path)
+    (library,) = jobs.specs["training"].inputs["library"]
+    truth, gaits = jobs.run(library), library.inputs["gaits"]
+    for spec in (library, *gaits):
+        jobs.forget(spec)
+    for spec in reversed(gaits):
+        jobs.run(spec)
+    assert jobs.run(library) == truth
+
+
 @pytest.mark.faults
 def test_any_moment_of_any_job():
     command = [sys.executable, "-m", "tests.faults.signals"]

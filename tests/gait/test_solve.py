@@ -14,10 +14,10 @@ from slider.gait.constraints import joint_bounds
 from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solution import dense_nodes, dense_violations, knee_trajectory
-from slider.gait.solve import Attempt, GaitSolver, Solve
+from slider.gait.solve import ANCHOR, Attempt, GaitSolver, PrimalDual, Solve
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
-from tests.gait.gaits import config, form, nodes, problem, solved
+from tests.gait.gaits import config, form, nodes, problem, solved, solver
 from tests.robot.lopsided import kneed
 
 VELOCITY = (0.4, 0.0)
@@ -90,6 +90,16 @@ def test_the_ramp_arrives_where_the_cold_start_does():
     assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
     assert ramp.success
     assert ramp.cost == pytest.approx(solved(*VELOCITY).cost, rel=1e-6)
+
+
+def test_a_turning_gait_starts_from_one_straight_ahead():
+    cold, straight = solved(*VELOCITY, 0.3), solved(*VELOCITY)
+    anchor = PrimalDual(straight.variables, straight.multipliers)
+    warm = solver(turning=True).solve(*VELOCITY, 0.3, anchor=anchor)
+    assert [attempt.name for attempt in warm.attempts] == [ANCHOR]
+    assert warm.success
+    assert warm.cost == pytest.approx(cold.cost, rel=1e-6)
+    assert warm.iterations < cold.iterations
 
 
 ENDS = {"fast": (1.0, False), "ramp": (2.0, False), "cold": (3.0, True), "crouched": (2.0, True)}

@@ -14,6 +14,7 @@ from slider.core.job import Job
 from slider.gait.formulation import Node
 from slider.gait.rooted import DECOUPLING
 from slider.gait.solution import coefficients
+from slider.gait.solve import ANCHOR
 from slider.gait.stage import MIN_PENDING_JOBS, REPORT, run
 from slider.gait.transcription import NODE
 from tests.gait.gaits import nodes, problem, section, solver
@@ -106,6 +107,31 @@ def test_a_gait_that_does_not_converge_is_a_result(tmp_path: Path):
     assert report["residuals"]["impact"] > 1e-3
     assert report["worst"][DECOUPLING] == f"{least:.3g}, at least 1e+03"
     assert np.isfinite(np.load(tmp_path / "samples.npy")).all()
+
+
+def test_a_gait_starts_from_its_anchor_with_multipliers(gait, tmp_path: Path):
+    for name, start, at in (
+        ("anchor", {}, (0.6, 0.0)),
+        ("gait", {"anchor": ["anchor"]}, (0.6, 0.1)),
+    ):
+        (tmp_path / name).mkdir()
+        inputs = {key: [tmp_path / each for each in names] for key, names in start.items()}
+        run(section(*at), inputs, tmp_path / name, Job(tmp_path))
+    cold, report = (
+        json.loads((folder / REPORT).read_text()) for folder in (gait[0], tmp_path / "gait")
+    )
+    assert [attempt["name"] for attempt in report["attempts"]] == [ANCHOR]
+    assert report["cost"] == pytest.approx(cold["cost"], rel=1e-6)
+    assert report["max_violation"] <= 1e-6
+    assert report["iterations"] < 0.75 * cold["iterations"]
+
+
+def test_an_anchor_that_failed_is_no_start(gait, tmp_path: Path):
+    for name, values in (("failed", {"max_iterations": 3, "guesses": ["cold"]}), ("gait", {})):
+        (tmp_path / name).mkdir()
+        inputs = {"anchor": [tmp_path / "failed"]} if name == "gait" else {}
+        run(section(0.6, 0.1, **values), inputs, tmp_path / name, Job(tmp_path))
+    assert contents(tmp_path / "gait") == contents(gait[0])
 
 
 def test_gait_jobs_import_what_they_need():

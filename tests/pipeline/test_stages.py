@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.stages import all_jobs, table1_jobs
 from pipeline.stages.evaluation import baseline_tuning, gauge_job, protocol_jobs, second_engine
-from pipeline.stages.gaits import velocities
+from pipeline.stages.gaits import gait, gait_section, library_job, velocities
 from pipeline.stages.page import report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
@@ -118,6 +118,29 @@ def test_a_wider_grid_keeps_its_gaits():
     before, after = recipes()["gait"], recipes("gait.grid.vx.stop=0.6")["gait"]
     assert before < after
     assert len(after - before) == 1
+
+
+@pytest.mark.parametrize(
+    ("velocity", "anchor"),
+    [
+        ((0.35, -0.1, 0.0), (0.4, 0.0, 0.0)),
+        ((-0.05, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        ((0.6, 0.0, -0.3), (0.6, 0.0, 0.0)),
+        ((3.0, 0.1, 0.0), (3.0, 0.0, 0.0)),
+    ],
+)
+def test_a_gait_starts_from_that_of_the_nearest_anchor_whatever_the_grid(velocity, anchor):
+    shared = gait_section(composed())
+    (start,) = gait(shared, velocity).needs
+    assert start.section["velocity"] == [*anchor]
+    assert start.recipe == gait(shared, anchor).recipe
+    assert not start.needs
+
+
+@pytest.mark.parametrize("grid", ["paper", "extended", "omni", "wide"])
+def test_each_grid_has_its_anchors(grid):
+    library = library_job(composed(f"gait/grid={grid}"))
+    assert len(build_plan({"": library}).jobs) == 1 + len(library.inputs["gaits"])
 
 
 def test_grids_share_their_velocities():

@@ -112,8 +112,9 @@ class SolverConfig(t.Group):
     constraint_tolerance: t.Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
     guesses: t.Distinct[t.Some[Literal["cold", "fast", "crouched", "ramp"]]]
-    """starts tried until one converges: knees bent most, long steps (crouched); short quick steps
-    (fast); less bent, long steps (cold); warm starts from walking in place (ramp)"""
+    """starts tried until one converges, by anchors at once: knees bent most, long steps (crouched);
+    short quick steps (fast); less bent, long steps (cold); warm starts from walking in place
+    (ramp)"""
 
 
 class StartSpread(t.Group):

@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -16,6 +17,7 @@ from slider.gait.transcription import NODE
 from slider.robot.names import VELOCITY
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
+ANCHOR = "anchor"  # name of a start from the gait of another velocity
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
 # No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
 _MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
@@ -27,12 +29,22 @@ _ENDS = {
     *("Search_Direction_Becomes_Too_Small", "Diverging_Iterates", "Error_In_Step_Computation"),
     *("Invalid_Number_Detected", "Not_Enough_Degrees_Of_Freedom"),
 }
-_WARM = {
-    "warm_start_init_point": "yes",
-    "warm_start_bound_push": 1e-6,
-    "warm_start_mult_bound_push": 1e-6,
-    "mu_init": 1e-4,
-}
+_PUSHED = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
+# As far from the bounds as a cold start: nearer to them IPOPT takes more iterations.
+_WARM = {"warm_start_init_point": "yes"} | {f"warm_start_{name}": 1e-2 for name in _PUSHED}
+
+
+class PrimalDual(NamedTuple):
+    """Variables (size,), and multipliers (size + rows,) of their bounds and of the rows."""
+
+    variables: np.ndarray
+    multipliers: np.ndarray
+
+    @classmethod
+    def of(cls, result: dict[str, ca.DM]) -> "PrimalDual":
+        """That of a result of CasADi's."""
+        multipliers = ca.vertcat(result["lam_x"], result["lam_g"])
+        return cls(result["x"].full().ravel(), multipliers.full().ravel())
 
 
 @dataclass(frozen=True)
@@ -60,6 +72,7 @@ class Solve:
         wall, cpu: time of all attempts [s].
         evaluations: time of the resulting attempt in each function [s].
         attempts: all attempts, in order.
+        multipliers: see ``PrimalDual``.
     """
 
     variables: np.ndarray
@@ -73,6 +86,7 @@ class Solve:
     cpu: float
     evaluations: dict[str, float] = field(default_factory=dict)
     attempts: tuple[Attempt, ...] = ()
+    multipliers: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def max_violation(self) -> float:
@@ -194,9 +208,14 @@ class GaitSolver:
         return ca.nlpsol("gait", "ipopt", nlp.objective_and_rows, options)
 
     def solve(
-        self, vx: float, vy: float, yaw_rate: float = 0.0, start: np.ndarray | None = None
+        self,
+        vx: float,
+        vy: float,
+        yaw_rate: float = 0.0,
+        start: np.ndarray | None = None,
+        anchor: PrimalDual | None = None,
     ) -> Solve:
-        """Solve for a velocity [m/s, rad/s], from the initial guesses in order.
+        """Solve for a velocity [m/s, rad/s], from an ``anchor``, if any, then from the guesses.
 
         The result is the first that converges, else the first of all. Variables ``start`` (size,)
         take the place of the guesses.
@@ -208,7 +227,8 @@ class GaitSolver:
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
         solves = list[Solve]()
-        for guess in self._config.guesses if start is None else [start]:
+        guesses = self._config.guesses if start is None else [start]
+        for guess in guesses if anchor is None else [anchor, *guesses]:
             solves.append(self.attempt(guess, vx, vy, yaw_rate))
             if solves[-1].success:
                 break
@@ -220,16 +240,17 @@ class GaitSolver:
         )
 
     def attempt(
-        self, guess: str | np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0
+        self, guess: str | np.ndarray | PrimalDual, vx: float, vy: float, yaw_rate: float = 0.0
     ) -> Solve:
-        """Solve for a velocity [m/s, rad/s] from one initial guess, by name or as variables."""
+        """Solve for a velocity [m/s, rad/s] from a guess by its name, from variables or a gait."""
         wall, cpu = time.perf_counter(), time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.form.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
-        variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
-        name = guess if isinstance(guess, str) else GIVEN
+        (variables, multipliers), rows = PrimalDual.of(result), np.array(result["g"]).ravel()
+        given = ANCHOR if isinstance(guess, PrimalDual) else GIVEN
+        name = guess if isinstance(guess, str) else given
         worst = self._residuals(rows, variables)
         return Solve(
             variables=variables,
@@ -243,19 +264,22 @@ class GaitSolver:
             cpu=time.process_time() - cpu,
             evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
             attempts=(Attempt(name, status, iterations, cost),),
+            multipliers=multipliers,
         )
 
     def _solve_from(
-        self, guess: str | np.ndarray, velocity: np.ndarray
+        self, guess: str | np.ndarray | PrimalDual, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Solve from given variables, a cold start, or a ``ramp`` of warm starts."""
-        if isinstance(guess, str) and guess == "ramp":
-            # Walk in place first, then ever faster, each start with primal and dual values.
-            _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
+        """Solve from a gait, from given variables, a cold start, or a ``ramp`` of gaits."""
+        if isinstance(guess, PrimalDual):
+            of_bounds, of_rows = np.split(guess.multipliers, [len(guess.variables)])
+            start = {"x0": guess.variables, "lam_x0": of_bounds, "lam_g0": of_rows}
+            return self._ipopt(True), self._call(self._ipopt(True), velocity, **start)
+        if isinstance(guess, str) and guess == "ramp":  # walk in place first, then ever faster
+            solved = self._solve_from("cold", np.zeros(len(VELOCITY)))
             for share in RAMP:
-                start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
-                result = self._call(self._ipopt(True), share * velocity, **start)
-            return self._ipopt(True), result
+                solved = self._solve_from(PrimalDual.of(solved[1]), share * velocity)
+            return solved
         if isinstance(guess, str):
             form, layout = self.problem.form, self.problem.layout
             vx = velocity[0] / form.leg_scale

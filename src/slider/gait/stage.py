@@ -18,7 +18,7 @@ from slider.gait.formulation import Formulation
 from slider.gait.problem import GaitProblem, build, worst_of
 from slider.gait.rooted import DECOUPLING, decoupling
 from slider.gait.solution import base_motion, coefficients, dense_violations, knee_trajectory
-from slider.gait.solve import GaitSolver, Solve
+from slider.gait.solve import GaitSolver, PrimalDual, Solve
 from slider.gait.transcription import ROLL_STATES
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
@@ -30,13 +30,25 @@ MIN_PENDING_JOBS = 50
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
+    """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name.
+
+    It starts from the variables and multipliers of the input ``anchor``, if that converged.
+    """
     solver, velocity = prepare(section, job)
-    solve = solver.solve(*velocity)
+    anchors = map(_optimum, inputs.get("anchor", ()))
+    solve = solver.solve(*velocity, anchor=next(anchors, None))
     arrays, summary = write_report(section, solver.problem, solve, out, job)
-    for name, array in arrays.items():
+    optimum = PrimalDual(solve.variables, solve.multipliers)._asdict()
+    for name, array in (arrays | optimum).items():
         np.save(out / f"{name}.npy", array)
     return summary
+
+
+def _optimum(folder: Path) -> PrimalDual | None:
+    """Of a gait that converged."""
+    if not json.loads((folder / REPORT).read_text(encoding="utf-8"))["converged"]:
+        return None
+    return PrimalDual(*(np.load(folder / f"{name}.npy") for name in PrimalDual._fields))
 
 
 def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float, float]]:

@@ -165,12 +165,17 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
     Raises:
         UserError: a package can be imported, but no installed distribution provides it.
     """
-    found = {name: distribution(name) for name in sorted(packages)}
     python = {"python": f"{sys.version_info.major}.{sys.version_info.minor}"}
-    return python | {name: d.version if d else ABSENT for name, d in found.items()}
+    return python | {name: _version(name) for name in sorted(packages)}
 
 
 @cache
+def _version(package: str) -> str:
+    """Version of the distribution that provides a package: its metadata are parsed each time."""
+    found = distribution(package)
+    return found.version if found else ABSENT
+
+
 def distribution(package: str) -> metadata.Distribution | None:
     """Distribution that provides an importable package, if that is installed.
 

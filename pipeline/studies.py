@@ -11,7 +11,7 @@ from typing import Any
 
 from pipeline.stages import training_jobs
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import evaluations_of
+from pipeline.stages.evaluation import evaluations_of, speed_of
 from pipeline.stages.gaits import gait, gait_section, library_job
 from slider.artefacts.plan import JobSpec
 from slider.composition.compose import compose
@@ -143,7 +143,7 @@ def _jobs(
         unused = {name: getattr(config.robot, name) for name in GAITS_ONLY}
         plant = replace(changed, robot=replace(changed.robot, **unused))
         for spec in evaluations_of(plant, protocol, {"walking": targets["walking"]}, note):
-            yield "evaluations", [variant.name, "", spec.section["speed"]], spec
+            yield "evaluations", [variant.name, "", speed_of(spec)], spec
         return
     library, budget, train = library_job(changed), study.training, changed.train
     for seed in budget.seeds:
@@ -155,7 +155,7 @@ def _jobs(
         jobs = {"walking": training_jobs(trained, library, note)["walking"]}
         yield "walking", [variant.name, seed, _batch(walking)], jobs["walking"]
         for spec in evaluations_of(trained, protocol, jobs, note):
-            yield "evaluations", [variant.name, seed, spec.section["speed"]], spec
+            yield "evaluations", [variant.name, seed, speed_of(spec)], spec
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:

@@ -24,29 +24,49 @@ _EXPORTED = (ONNX, LAYOUT, REFERENCE)  # files of an exported policy
 _SEARCH = ("trials", "sampler_seed", "finalists", "finalist_robots", "speeds")
 
 
+def lay_out(
+    config: Config,
+    stage: str,
+    what: str,
+    controllers: Iterable[str],
+    cases: Mapping[str, Mapping[str, Any]],
+    jobs: Mapping[str, JobSpec],
+    tracked: bool = True,
+) -> list[JobSpec]:
+    """A job of each controller in each case, ``WHAT of CONTROLLERCASE``, with the case's settings.
+
+    Controllers need the ``jobs`` ``walking``, ``library`` and ``foot_placement``.
+    """
+    made = []
+    for controller in controllers:
+        section, inputs = controlled(config, controller, jobs)
+        for case, own in cases.items():
+            label = f"{what} of {controller}{case}"
+            made.append(job(stage, label, {**section, **own}, inputs, tracked))
+    return made
+
+
 def evaluations_of(
     config: Config, protocol: EvaluationConfig, jobs: Mapping[str, JobSpec], note: str = ""
 ) -> list[JobSpec]:
-    """A protocol's evaluations: each controller at each speed, or in each case of the profile.
-
-    Controllers need the ``jobs`` ``walking``, ``library`` and ``foot_placement``. The ``note`` is
-    added to the labels.
-    """
-    settings = without(protocol_section(protocol), "controllers", "speeds")
-    if protocol.profile is None:
-        places = [(f"at {speed:.1f} m/s", {"speed": speed}) for speed in protocol.speeds]
-    else:
-        settings["profile"] = without(to_dict(protocol.profile), "rows", "cases")
-        places = [(f"in {case.name}", {"case": to_dict(case)}) for case in protocol.profile.cases]
-    evaluations = []
+    """A protocol's evaluations, a job per controller and case; ``note`` is added to the labels."""
+    settings, place = without(protocol_section(protocol), "controllers", "speeds"), "at"
+    if protocol.profile is not None:
+        settings["profile"], place = without(to_dict(protocol.profile), "rows", "cases"), "in"
+    cases = {
+        f" {place} {case.name}{note}": {"evaluation": settings, "case": to_dict(case)}
+        for case in protocol.cases
+    }
+    made = []
     for controller in protocol.controllers:
-        section, inputs = controlled(config, controller, jobs)
-        section |= {"evaluation": settings}
         stage = "evaluation" if base_of(controller) == POLICY else "baseline"
-        for place, values in places:
-            label = f"evaluation of {controller} {place}{note}"
-            evaluations.append(job(stage, label, section | values, inputs))
-    return evaluations
+        made += lay_out(config, stage, "evaluation", [controller], cases, jobs)
+    return made
+
+
+def speed_of(evaluation: JobSpec) -> float:
+    """Commanded forward velocity of an evaluation at a constant one [m/s]."""
+    return evaluation.section["case"]["segments"][0]["vx"]
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
@@ -55,14 +75,18 @@ def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
 
 
 def controlled(
-    config: Config, controller: str, jobs: Mapping[str, JobSpec], speed: float | None = None
+    config: Config, controller: str, jobs: Mapping[str, JobSpec]
 ) -> tuple[dict[str, Any], dict[str, list[JobSpec]]]:
-    """Section with robot, plant and controller; inputs: a training, the gait library, or none."""
-    section, base = {"controller": controller, "speed": speed}, base_of(controller)
+    """Section with robot, plant and controller; inputs: a policy, the gait library, or none."""
+    section, base = {"controller": controller}, base_of(controller)
     sensing = "true_state" if base == controller else "onboard"  # that of env is the trainings'
     config = replace(config, env=replace(config.env, sensing=sensing))
     if base == POLICY:
         return section | simulation(config), {"walking": [jobs["walking"]]}
+    if base in config.gauge.policies:
+        return section | simulation(config), {
+            "policy": [_import(config.gauge.policies[base], base)]
+        }
     section |= {
         "robot": robot(config),
         "plant": to_dict(config.env.plant),
@@ -100,7 +124,7 @@ def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec
     """Every gait from its own first sample, with the first controller that walks by gaits."""
     for name in gait_controllers(config)[:1]:
         section, inputs = controlled(config, name, jobs)
-        section = without(section, "controller", "speed") | {"steps": config.hzd.steps}
+        section = without(section, "controller") | {"steps": config.hzd.steps}
         return {"gait_walks": job("gait_walks", "walks of all gaits", section, inputs)}
     return {}
 
@@ -146,9 +170,8 @@ def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)
     evaluation = without(protocol_section(protocol), "controllers", "speeds", "profile")
     for name, space in values["spaces"].items():
-        section, inputs = controlled(config, name, jobs)
-        section |= only(values, *_SEARCH) | {"evaluation": evaluation, "space": space}
-        searches.append(job("tuning", f"search for settings of {name}", section, inputs))
+        own = only(values, *_SEARCH) | {"evaluation": evaluation, "space": space}
+        searches += lay_out(config, "tuning", "search for settings", [name], {"": own}, jobs)
     section = titles(config, tuning.spaces) | {"spaces": values["spaces"]}
     return job("baseline_tuning", "tuned baselines", section, {"searches": searches})
 
@@ -156,7 +179,7 @@ def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
 def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
     """Velocity over time at some of Table 1's speeds."""
     speeds = config.report.tracking_speeds
-    shown = [item for item in table1.inputs["evaluations"] if item.section["speed"] in speeds]
+    shown = [item for item in table1.inputs["evaluations"] if speed_of(item) in speeds]
     section = {"speeds": speeds, "control_period": config.env.control_period}
     section |= titles(config, config.evaluation.controllers)
     return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})
@@ -211,24 +234,16 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     protocol = only(to_dict(gauge), *(item.name for item in fields(GaugeProtocol)))
     turn = 2 * math.pi / gauge.directions
     pushed = [turn * index for index in range(gauge.directions)]
-    cells = []
-    for controller in gauge.controllers:
-        base = base_of(controller)
-        if base in gauge.policies:
-            like = f"{POLICY}{controller.removeprefix(base)}"
-            section = controlled(config, like, jobs)[0] | {"controller": controller}
-            inputs = {"policy": [_import(gauge.policies[base], base)]}
-        else:
-            section, inputs = controlled(config, controller, jobs)
-        for axis in gauge.axes:
-            own = {
-                "axis": axis,
-                "values": gauge.values(axis),
-                "directions": pushed if axis == "push" else [None],
-                "protocol": protocol,
-            }
-            label = f"gauge of {controller}, {axis.replace('_', ' ')}"
-            cells.append(job("gauge_axis", label, section | own, inputs, tracked=False))
+    axes = {
+        f", {axis.replace('_', ' ')}": {
+            "axis": axis,
+            "values": gauge.values(axis),
+            "directions": pushed if axis == "push" else [None],
+            "protocol": protocol,
+        }
+        for axis in gauge.axes
+    }
+    cells = lay_out(config, "gauge_axis", "gauge", gauge.controllers, axes, jobs, tracked=False)
     section = {
         **titles(config, gauge.controllers),
         "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.stages.entries import job, origin, without
-from pipeline.stages.evaluation import base_of, controlled, labels, protocol_section
+from pipeline.stages.evaluation import base_of, labels, lay_out, protocol_section
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY
 from slider.config.convert import to_dict
@@ -71,33 +71,31 @@ def _videos(config: Config, jobs: Mapping[str, JobSpec]) -> list[JobSpec]:
     video, evaluation = config.report.video, config.evaluation
     if video.renderer == "none":
         return []
-    videos = [
-        _video(config, controller, speed, jobs)
-        for controller in evaluation.controllers
-        for speed in video.speeds
-        if base_of(controller) == controller
-    ]
+    names = [name for name in evaluation.controllers if base_of(name) == name]
+    videos = [v for name in names for v in _films(config, name, video.speeds, jobs)]
     if (filmed := video.terrain) is not None:
         for kind in filmed.kinds:
             terrain = TerrainConfig([kind], Interval(filmed.level, filmed.level), curriculum=False)
             disturbance = replace(evaluation.disturbance, terrain=terrain)
             there = replace(config, evaluation=replace(evaluation, disturbance=disturbance))
-            videos.append(_video(there, f"{POLICY}{ONBOARD}", filmed.speed, jobs))
+            videos += _films(there, f"{POLICY}{ONBOARD}", [filmed.speed], jobs)
     return videos
 
 
-def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """A short film of one controller at one speed."""
-    section, inputs = controlled(config, controller, jobs, speed)
-    section |= {
+def _films(
+    config: Config, controller: str, speeds: Sequence[float], jobs: Mapping[str, JobSpec]
+) -> list[JobSpec]:
+    """Short films of one controller."""
+    own = {
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": without(to_dict(config.report.video), "speeds", "terrain"),
     }
     ground = config.evaluation.disturbance.terrain.kinds[0].replace("_", " ")
-    label = f"video of {controller} at {speed:.1f} m/s{f', {ground}' if ground != 'flat' else ''}"
-    return job("video", label, section, inputs, tracked=False)
+    place = "" if ground == "flat" else f", {ground}"
+    cases = {f" at {speed:.1f} m/s{place}": own | {"speed": speed} for speed in speeds}
+    return lay_out(config, "video", "video", [controller], cases, jobs, tracked=False)
 
 
 def with_renderer(config: Config) -> Config:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
+from slider.config.evaluation import at_speed
 from slider.core.job import Job
 from slider.evaluation import stage
 from slider.evaluation.results import Evaluation
@@ -23,7 +24,7 @@ def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
         "control": to_dict(whole.control[controller]),
         "evaluation": to_dict(replace(whole.evaluation, **changes)),
         "controller": controller,
-        "speed": 0.2,
+        "case": to_dict(at_speed(0.2)),
     }
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
+from slider.config.evaluation import at_speed
 from slider.config.parameters import scaled
 from slider.control.model_based import build_plant
 from slider.core.errors import UserError
@@ -31,7 +32,7 @@ def section(speed: float = 0.2, **changes) -> dict:
         "env": to_dict(whole.env),
         "evaluation": to_dict(replace(whole.evaluation, **changes)),
         "controller": "policy",
-        "speed": speed,
+        "case": to_dict(at_speed(speed)),
     }
 
 
@@ -96,7 +97,7 @@ def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, roll
     slow, fast, later = (rollout.start for rollout in rollouts)
     np.testing.assert_array_equal(slow[0], fast[0])
     for rollout, speed in zip(rollouts, (0.2, 3.0), strict=False):
-        np.testing.assert_array_equal(rollout.command, np.tile([speed, 0.0, 0.0], (6, 1)))
+        np.testing.assert_array_equal(rollout.command[0], np.tile([speed, 0.0, 0.0], (6, 1)))
     np.testing.assert_array_equal(later[0][:ROBOTS], slow[0][ROBOTS:])  # trial k: seed + k
     whole = config(*WHOLE)
     rng = np.random.default_rng(whole.evaluation.seed)
@@ -123,7 +124,7 @@ def test_policy_of_another_interface_is_one_line(walking, tmp_path):
 def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     whole = config("experiment=test").protocols["joystick"]
     (case,) = whole.profile.cases
-    values = section() | {"evaluation": to_dict(whole), "speed": None, "case": to_dict(case)}
+    values = section() | {"evaluation": to_dict(whole), "case": to_dict(case)}
     summary = stage.run(values, {"walking": [walking]}, tmp_path, Job(tmp_path))
     assert summary["speed"] is None
     found = Evaluation.load(tmp_path)

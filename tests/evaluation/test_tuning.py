@@ -22,7 +22,7 @@ def section(trials: int = 3, seed: int = 1) -> dict:
     search = {"trials": trials, "sampler_seed": seed, "finalists": 2, "finalist_robots": 3}
     whole = baseline(**short)
     whole["evaluation"].pop("controllers", None)  # as the pipeline's section
-    return whole | search | {"speed": None, "speeds": [0.2, 0.4], "space": SPACE}
+    return whole | search | {"speeds": [0.2, 0.4], "space": SPACE}
 
 
 def search(folder, name: str, trials: int = 3, seed: int = 1) -> pd.DataFrame:

@@ -6,6 +6,7 @@ import pytest
 
 from pipeline.entry import open_pipeline
 from pipeline.stages import table1_jobs
+from pipeline.stages.evaluation import speed_of
 from pipeline.studies import GAITS_ONLY, study_job
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.config.parameters import choose, parameters, scaled
@@ -43,7 +44,7 @@ def test_each_seed_of_a_variant_has_a_training_and_an_evaluation_per_speed():
     assert [key[:2] for key in walking] == runs
     assert [*evaluations] == [(*run, speed) for run in runs for speed in (0.2, 0.4)]
     for (variant, seed, speed), made in evaluations.items():
-        assert made.section["speed"] == speed
+        assert speed_of(made) == speed
         assert made.section["evaluation"]["robots"] == 3
         assert made.inputs["walking"] == [walking[variant, seed, 128]]
         assert made.inputs["walking"][0].section["train"]["seed"] == seed

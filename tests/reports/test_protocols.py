@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pipeline.stages import table1_jobs
-from pipeline.stages.evaluation import velocity_tracking
+from pipeline.stages.evaluation import speed_of, velocity_tracking
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
 from slider.core import tables
@@ -235,7 +235,7 @@ def test_the_job_waits_for_the_speeds_that_it_shows_alone():
     table1 = table1_jobs(config)["table1"]
     inputs = velocity_tracking(config, table1).inputs["evaluations"]
     assert [one for one in table1.inputs["evaluations"] if one in inputs] == list(inputs)
-    assert [one.section["speed"] for one in inputs] == [0.4]
+    assert [speed_of(one) for one in inputs] == [0.4]
 
 
 @pytest.mark.parametrize(

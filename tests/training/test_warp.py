@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from slider.config.convert import to_dict
+from slider.config.evaluation import at_speed
 from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
@@ -67,7 +68,7 @@ def test_a_policy_of_warp_survives_a_kill_and_is_evaluated_as_any_other(tmp_path
     whole, store = config(*TINY, *WARP), inputs["library"][0] / STORE
     task = task_of(whole.robot, whole.env, whole.train.walking, store)
     assert Selector(task, 1).score(policy).value == facts["value"]
-    own = settings() | {"controller": "policy", "speed": 0.2}
+    own = settings() | {"controller": "policy", "case": to_dict(at_speed(0.2))}
     own["evaluation"] = to_dict(config(*TINY, "evaluation.duration=0.4").evaluation)
     (tmp_path / "evaluated").mkdir()
     found = evaluation.run(own, {"walking": [out]}, tmp_path / "evaluated", Job(tmp_path))

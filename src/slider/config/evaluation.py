@@ -11,6 +11,7 @@ from pydantic import Field
 
 from slider.config import types as t
 from slider.config.env import DisturbanceConfig, Level, SensingConfig, StartNoise, TerrainKind
+from slider.core.quantities import speed_text
 
 
 class SpeedsConfig(t.Group):
@@ -49,6 +50,11 @@ class CaseConfig(t.Group):
 
     name: t.Name
     segments: _Segments
+
+
+def at_speed(speed: float) -> CaseConfig:
+    """A constant forward velocity [m/s]."""
+    return CaseConfig(f"{speed_text(speed)} m/s", [Segment("walk", 0.0, speed)])
 
 
 class ProfileConfig(t.Group):
@@ -99,6 +105,11 @@ class EvaluationConfig(t.Group):
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
     """velocities that change; null: constant ones"""
+
+    @property
+    def cases(self) -> list[CaseConfig]:
+        """Rollouts of each controller."""
+        return self.profile.cases if self.profile else list(map(at_speed, self.speeds))
 
 
 class SeedBlock(t.Group):

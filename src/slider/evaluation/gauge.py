@@ -15,7 +15,7 @@ import pandas as pd
 
 from slider.config.convert import from_dict
 from slider.config.env import DisturbanceConfig, EnvConfig, SensingConfig, TerrainConfig
-from slider.config.evaluation import TERRAINS, GaugeProtocol
+from slider.config.evaluation import TERRAINS, GaugeProtocol, at_speed
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.control.exported import load_exported
@@ -25,9 +25,9 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Controller, Recording, roll_out
+from slider.env.rollout import Controller, Recording
 from slider.env.terrain import magnitude
-from slider.evaluation.stage import Simulated, at_speeds, seeds_of, simulate
+from slider.evaluation.stage import Simulated, record, seeds_of, simulate
 
 CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
@@ -106,14 +106,8 @@ def _measure(
     config = disturbed(protocol, section["axis"], value, direction)
     if section["axis"] == "sensor_noise":
         section = with_noisier_sensors(section, value)
-    robot = from_dict(RobotConfig, section["robot"])
-    starts, velocities = at_speeds(robot, protocol, protocol.speeds)
-    disturbance = Disturbance(config, tuple(seeds_of(protocol)))
-    built = _simulate_exported if "policy" in inputs else simulate
-    simulated = built(section, inputs, len(velocities), disturbance, threads)
-    if "control" not in section:
-        simulated = simulated._replace(controller=_GivesUp(simulated.controller))
-    recording = roll_out(*simulated, starts, velocities, protocol.duration)
+    cases = [at_speed(speed) for speed in protocol.speeds]
+    recording = record(section, inputs, protocol, cases, threads, config, _simulate)
     return count_passes(recording, protocol)
 
 
@@ -145,6 +139,17 @@ def with_noisier_sensors(section: Section, factor: float) -> Section:
         for name, value in onboard["sensors"].items()
     }
     return section | {key: section[key] | {"onboard": onboard | {"sensors": sensors}}}
+
+
+def _simulate(
+    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
+) -> Simulated:
+    """A controller that can fail."""
+    build = _simulate_exported if "policy" in inputs else simulate
+    simulated = build(section, inputs, count, disturbance, threads)
+    if "control" in section:
+        return simulated
+    return simulated._replace(controller=_GivesUp(simulated.controller))
 
 
 def _simulate_exported(

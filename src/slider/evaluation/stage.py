@@ -5,6 +5,7 @@ It fixes plant, starts, velocities, terminations, disturbances and records.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
-from slider.config.env import EnvConfig, PlantConfig
+from slider.config.env import DisturbanceConfig, EnvConfig, PlantConfig
 from slider.config.evaluation import CaseConfig, EvaluationConfig, GaugeProtocol
 from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
@@ -22,11 +23,10 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import estimate_error, gait_quality, tracking
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Controller, roll_out
+from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
 from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation
-from slider.evaluation.segments import profile_of
 
 Engine = Callable[..., BatchedPhysics]
 """Makes the robots' physics, with the arguments of ``BatchedPhysics``."""
@@ -45,25 +45,20 @@ def run(
 ) -> Summary:
     """Roll a controller out and write per-robot records and mean velocity traces.
 
-    All trials and robots of one command, ``speed`` [m/s], or of one ``case`` of a profile, for
-    which also the records and traces of its segments are written.
+    All trials and robots of one ``case``; with a profile also the records and traces of its
+    segments are written.
     """
     config = from_dict(EvaluationConfig, section["evaluation"])
-    robot, speed = from_dict(RobotConfig, section["robot"]), section["speed"]
-    case = from_dict(CaseConfig, section["case"]) if section.get("case") else None
-    start, command = at_speeds(robot, config, [speed or 0.0])
-    disturbance = Disturbance(config.disturbance, tuple(seeds_of(config)))
-    simulated = simulate(section, inputs, len(command), disturbance, job.threads, engine)
-    if case is not None:
-        ramp, period = profile_of(config).ramp, simulated.env.control_period
-        values = segments.velocities(case, ramp, config.duration, period)
-        command = np.repeat(values[:, None], len(command), axis=1)
-    recording = roll_out(
-        *simulated,
-        start,
-        command,
-        config.duration,
-        lambda share: job.progress(f"{100 * share:.0f} %"),
+    case, profile = from_dict(CaseConfig, section["case"]), config.profile
+    recording = record(
+        section,
+        inputs,
+        config,
+        [case],
+        job.threads,
+        build=partial(simulate, engine=engine),
+        ramp=profile.ramp if profile else 0.0,
+        progress=lambda share: job.progress(f"{100 * share:.0f} %"),
     )
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
     robots = results.robots_frame(
@@ -78,8 +73,9 @@ def run(
     velocity = np.full((len(forward), 2), np.nan, dtype=np.float32)
     if forward.shape[1]:
         velocity[:, 0], velocity[:, 1] = forward.mean(axis=1), forward.std(axis=1)
+    speed = None if profile else case.segments[0].vx
     evaluation = Evaluation(section["controller"], speed, robots, velocity)
-    if case is not None:
+    if profile:
         evaluation = replace(
             evaluation,
             case=case.name,
@@ -91,7 +87,7 @@ def run(
     return {
         "controller": evaluation.controller,
         "speed": speed,
-        **({"case": case.name} if case else {}),
+        **({"case": case.name} if profile else {}),
         "success_rate": rates["success_rate"],
         "mse_steady": rates["mse_steady"] if robots["survived"].any() else None,
         "blow_ups": int(recording.diverged.sum()),
@@ -101,21 +97,6 @@ def run(
 def seeds_of(config: EvaluationConfig | GaugeProtocol) -> range:
     """Trial k draws from seed + k, whatever the controller or command."""
     return range(config.seed, config.seed + config.trials)
-
-
-def at_speeds(
-    robot: RobotConfig, protocol: EvaluationConfig | GaugeProtocol, speeds: Sequence[float]
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Starts (N, 19), (N, 18) and commanded velocities (N, 3) of constant speeds [m/s].
-
-    In blocks of a seed, and in these of a speed with its robots: all speeds start alike.
-    """
-    noise, robots, seeds = protocol.start, protocol.robots, seeds_of(protocol)
-    draws = [at_rest(robot, noise, np.random.default_rng(seed), robots) for seed in seeds]
-    qpos, qvel = zip(*(start for start in draws for _ in speeds), strict=True)
-    velocities = np.zeros((len(qpos) * robots, 3))
-    velocities[:, 0] = np.tile(np.repeat(speeds, robots), len(draws))
-    return (np.concatenate(qpos), np.concatenate(qvel)), velocities
 
 
 def simulate(
@@ -160,3 +141,33 @@ def simulate(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
     return Simulated(PolicyController(policy.network, agent), physics, env)
+
+
+def record(
+    section: Section,
+    inputs: Inputs,
+    protocol: EvaluationConfig | GaugeProtocol,
+    cases: Sequence[CaseConfig],
+    threads: int,
+    disturbance: DisturbanceConfig | None = None,
+    build: Callable[..., Simulated] = simulate,
+    ramp: float = 0.0,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
+    """Roll a controller out in all cases at once, with a ``disturbance`` or the protocol's.
+
+    Robots are in blocks of a seed, and in these of a case: all cases start alike. ``build`` takes
+    the arguments of :func:`simulate`; a command changes within ``ramp`` seconds.
+    """
+    robot, seeds = from_dict(RobotConfig, section["robot"]), seeds_of(protocol)
+    starts = (
+        at_rest(robot, protocol.start, np.random.default_rng(seed), protocol.robots)
+        for seed in seeds
+    )
+    qpos, qvel = map(np.concatenate, zip(*(s for s in starts for _ in cases), strict=True))
+    disturbed = Disturbance(disturbance or protocol.disturbance, tuple(seeds))
+    simulated = build(section, inputs, len(qpos), disturbed, threads)
+    place = ramp, protocol.duration, simulated.env.control_period
+    series = np.stack([segments.velocities(case, *place) for case in cases], axis=1)
+    velocities = np.tile(np.repeat(series, protocol.robots, axis=1), (1, len(seeds), 1))
+    return roll_out(*simulated, (qpos, qvel), velocities, protocol.duration, progress)

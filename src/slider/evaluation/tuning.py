@@ -19,15 +19,12 @@ import pandas as pd
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
 
 from slider.config.convert import from_dict, setting, with_settings
-from slider.config.evaluation import EvaluationConfig
-from slider.config.robot import RobotConfig
+from slider.config.evaluation import EvaluationConfig, at_speed
 from slider.core import files, tables
 from slider.core.errors import not_read
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking
-from slider.env.rollout import roll_out
-from slider.evaluation.stage import at_speeds, simulate
+from slider.evaluation.stage import record
 
 CSV = "trials.csv"
 _KEPT = "measured.json"
@@ -121,14 +118,11 @@ def _measure(
     settings: Mapping[str, float],
 ) -> tuple[dict[str, float], float]:
     """Success and error of each speed, and the score."""
-    robot, speeds = from_dict(RobotConfig, section["robot"]), section["speeds"]
-    starts = at_speeds(robot, config, speeds)
     section = section | {"control": with_settings(section["control"], settings)}
-    disturbance = Disturbance(config.disturbance, (config.seed,))
-    plant = simulate(section, inputs, len(starts[1]), disturbance, threads)
-    recording = roll_out(*plant, *starts, config.duration)
+    cases = [at_speed(speed) for speed in section["speeds"]]
+    recording = record(section, inputs, config, cases, threads)
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
-    return scored(tracking(recording, *limits), speeds)
+    return scored(tracking(recording, *limits), section["speeds"])
 
 
 def scored(tracked: Tracking, speeds: list[float]) -> tuple[dict[str, float], float]:

@@ -14,34 +14,28 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.geometry import (
+    AddContactMaterial,
+    Box,
+    Capsule,
+    CollisionFilterDeclaration,
+    GeometrySet,
+    HalfSpace,
+    ProximityProperties,
+    Sphere,
+)
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody import tree
+from pydrake.multibody.plant import (
+    AddMultibodyPlant,
+    CoulombFriction,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.systems.primitives import Adder, MatrixGain, Saturation
 
-from slider.core.errors import UserError
 from slider.robot import names
-
-try:
-    from pydrake.common.eigen_geometry import Quaternion
-    from pydrake.geometry import (
-        AddContactMaterial,
-        Box,
-        Capsule,
-        CollisionFilterDeclaration,
-        GeometrySet,
-        HalfSpace,
-        ProximityProperties,
-        Sphere,
-    )
-    from pydrake.math import RigidTransform, RotationMatrix
-    from pydrake.multibody import tree
-    from pydrake.multibody.plant import (
-        AddMultibodyPlant,
-        CoulombFriction,
-        MultibodyPlant,
-        MultibodyPlantConfig,
-    )
-    from pydrake.systems.primitives import Adder, MatrixGain, Saturation
-except ModuleNotFoundError as error:
-    message = "expected Drake, found none: pip install -e '.[drake]' -c constraints.txt"
-    raise UserError(message) from error
 
 # Drake warns of half spaces and deformable bodies, of which there are none.
 logging.getLogger("drake").setLevel(logging.ERROR)

@@ -1,7 +1,9 @@
 # make table1                            Table 1 of our controller
 # make table1 HYDRA="experiment=smoke"   with overrides of the configuration
+# make demo                              the robot walks, in a window or the browser
 # make report                           one page about everything, with videos
 # make results                          fill the result tables of README.md and docs/ from reports/
+# make policy                            train, evaluate and ship docs/policy/
 # make animation                         the picture at the top of README.md, from the trained policy
 # make docs                             the documentation as a site
 # make install                           what tests, checks of gaits and editors need, too
@@ -29,16 +31,25 @@ ifneq ($(shell $(VENV)/bin/python -I -X utf8 -c 'print(open("$(PLACE)", encoding
 endif
 
 .DELETE_ON_ERROR:
-.PHONY: table1 report results animation docs install lint test faults clean
+.PHONY: table1 demo report results policy animation docs install lint test faults clean
 
 table1: $(STAMP)
 	$(RUN) snakemake -j$(CORES) reports/table1.csv --config "hydra=$$HYDRA"
+
+demo: $(STAMP)
+	$(RUN) slider.cli play --policy docs/policy --set robot=slider
 
 report: $(STAMP)
 	$(RUN) snakemake -j$(CORES) reports/index.html --config "hydra=$$HYDRA"
 
 results: $(STAMP) # tables of README.md and docs/, from the finished runs in reports/
 	$(RUN) slider.cli results
+
+SHIPPED := policy.onnx estimator.onnx policy.json robot.xml
+policy: $(STAMP)
+	$(RUN) snakemake -j$(CORES) policy reports/table1.csv --config "hydra=$$HYDRA"
+	cp $(SHIPPED:%=reports/policy/%) docs/policy
+	$(RUN) slider.cli results docs/policy/README.md
 
 animation: $(STAMP)
 	$(RUN) slider.cli play --film $(VENV)/walk.webp --velocity 1.2 0 0

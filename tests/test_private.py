@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 import snakemake_executor_plugin_slurm as slurm
+import torch
 from mlflow.tracking._tracking_service import utils
 from rsl_rl.models import MLPModel
 from rsl_rl.modules import EmpiricalNormalization
@@ -13,6 +14,7 @@ from snakemake.jobs import GroupJob, Reason
 from snakemake.settings.types import ConfigSettings
 from snakemake.spawn_jobs import SpawnedJobArgsFactory
 from snakemake.workflow import DAG, JobScheduler
+from torch.fx.experimental.proxy_tensor import make_fx
 
 from slider.control.policy import MEAN, STD, VARIANCE
 from slider.tracking import ARTIFACT_ROOT
@@ -52,3 +54,8 @@ def test_rsl_rl_still_names_its_normaliser_so():
 def test_mlflow_still_reads_the_place_of_its_files():
     text = inspect.getsource(utils)
     assert f'"{ARTIFACT_ROOT}"' in text, f"expected {ARTIFACT_ROOT} in {utils.__name__}"
+
+
+def test_torch_still_records_operators():
+    nodes = make_fx(lambda x: x + 1.0)(torch.zeros(2)).graph.nodes
+    assert [str(node.target) for node in nodes if node.op == "call_function"] == ["aten.add.Tensor"]

@@ -96,7 +96,7 @@ def policy_export(env: EnvConfig, walking: JobSpec) -> JobSpec:
     # Meanings are docstrings: they are in the layout, but in no digest of the source.
     section = {
         "origin": origin(walking),
-        "estimator": None if env.onboard is None else to_dict(env.onboard.estimator),
+        "estimator": to_dict(env.estimator),
         "meanings": {n: TERMS[n].meaning for n in seen},
     }
     return job("policy_export", "policy export", section, {"walking": [walking]})

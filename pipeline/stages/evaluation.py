@@ -14,12 +14,12 @@ from slider.config.convert import to_dict
 from slider.config.evaluation import EvaluationConfig, GaugeProtocol
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
-from slider.control import LAYOUT, ONNX, REFERENCE
+from slider.control import LAYOUT, ONNX
 from slider.core.errors import require
 from slider.core.files import digest_file
 from slider.core.machine import kernels
 
-_EXPORTED = (ONNX, LAYOUT, REFERENCE)  # files of an exported policy
+_EXPORTED = (ONNX, LAYOUT)  # files of an exported policy
 # What all searches share, and no evaluation has.
 _SEARCH = ("trials", "sampler_seed", "finalists", "finalist_robots", "speeds")
 

@@ -1,197 +1,220 @@
-"""The documented program without this package does what the package does."""
+"""The documented program walks the shipped policy, without this package, and survives a robot."""
 
 import ast
 import importlib.util
 import json
 import re
+import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
 import pytest
 
-from slider.config.env import EstimatorConfig, SensorsConfig
-from slider.control.export import write_files
-from slider.control.policy import Policy, PolicyController
-from slider.env.interface import AgentInterface
+from slider.control.exported import load_exported
 from slider.env.physics import BatchedPhysics
-from slider.library.lookup import GaitTable
-from slider.robot.mjcf import nominal_qpos
-from tests.control import policies
-from tests.control.policies import write_policy
-from tests.env.synthetic import config, turning_library
-from tests.env.test_observations import PAPER
+from slider.env.rollout import roll_out
+from slider.env.starts import USUAL_NOISE, at_rest
+from tests.config.composed import composed
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "run_policy.py"
-VELOCITY = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
-COMPUTED = {  # by the program; a robot's own terms are left out of the policies here
-    *PAPER,
-    *("action_before_previous", "base_height", "filtered_velocity", "reference_velocity"),
-    *("velocity_error", "phase"),
-}
-ONBOARD = config("experiment=test").env.onboard
-STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
+DOCS = Path(__file__).parents[2] / "docs"
+EXAMPLE, SHIPPED = DOCS / "examples" / "run_policy.py", DOCS / "policy"
+PERIOD = 0.02
 
 
-def exported(folder: Path, *overrides: str, estimator: EstimatorConfig | None = None) -> Policy:
-    write_policy(folder / "policy.pt", *overrides, only=COMPUTED)
-    return write_files(folder / "policy.pt", {}, folder, estimator)
-
-
-def load_example():
+@pytest.fixture(scope="module")
+def example():
     spec = importlib.util.spec_from_file_location("run_policy", EXAMPLE)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
+@pytest.fixture(scope="module")
+def contract() -> dict:
+    return json.loads((SHIPPED / "policy.json").read_text())
+
+
+def test_the_shipped_policy_is_of_this_version_and_walks():
+    """Otherwise: ``make policy``."""
+    config = composed()
+    policy = load_exported(SHIPPED, config.robot, config.env)
+    terms = json.loads((SHIPPED / "policy.json").read_text())["observation"]
+    assert {term["name"]: term["scale"] for term in terms} == config.env.observation.terms
+    speeds = np.array([0.4, 1.2, 2.2])
+    physics = BatchedPhysics(config.robot, config.env.physics, 3)
+    start = at_rest(config.robot, USUAL_NOISE, np.random.default_rng(0), 3)
+    command = speeds[:, None] * [1.0, 0.0, 0.0]
+    recording = roll_out(policy, physics, config.env, start, command, 5.0)
+    assert recording.survived.all()
+    np.testing.assert_allclose(recording.velocity[100:, :, 0].mean(axis=0), speeds, atol=0.15)
+
+
+def test_what_ships_is_small():
+    assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < 1_500_000
+
+
+class Walk:
+    """The shipped policy in plain MuJoCo; ``spoil`` changes the readings of a tick."""
+
+    def __init__(self, example, contract, folder: Path = SHIPPED) -> None:
+        self.policy = example.Graph(folder, "policy.onnx", contract)
+        self.robot = example.Simulation(folder, contract)
+
+    def go(self, seconds: float, speed: float, spoil=lambda tick, readings: None) -> float:
+        """Distance [m]; the robot must not fall, the targets stay numbers."""
+        start = self.robot.data.qpos[0]
+        for tick in range(round(seconds / PERIOD)):
+            readings = self.robot.measure() | {"command": np.array([speed, 0.0, 0.0])}
+            readings = {name: np.array(value) for name, value in readings.items()}
+            spoil(tick, readings)
+            (targets,) = self.policy(self.robot.data.time, readings)
+            assert np.isfinite(targets).all()
+            self.robot.move(targets)
+            assert not self.robot.has_fallen(), f"tick {tick}"
+        return self.robot.data.qpos[0] - start
+
+
 @pytest.mark.parametrize(
-    ("overrides", "turning"),
-    [
-        ((), False),
-        ((), True),
-        (("env=paper",), True),
-        (("env.phase.mirror=false",), True),
-        (("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"), True),
-        (("env.action.offset=nominal",), True),
-        (("env.reference.acceleration=0",), False),
-    ],
+    ("name", "index"),
+    [("joint_positions", 3), ("joint_velocities", 2), ("linear_velocity", 0), ("quaternion", 3)],
 )
-def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, turning):
-    if turning:
-        table = GaitTable.from_library(turning_library())
-        monkeypatch.setattr(policies, "gait_table", lambda: table)
-    policy = exported(tmp_path, *overrides)
-    physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
-    physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
-    controller = PolicyController(policy.network, agent)
-    controller.reset(physics.read(), np.zeros((1, 3)))
-    example = load_example()
-    outside = example.Policy(tmp_path)
-    robot = example.Simulation(tmp_path, outside.layout)
-    data = robot.data
-    actions, halted = [], []
-    for step in range(STEPS):
-        command = VELOCITY if STARTED <= step < STOPPED else np.zeros(3)
-        controller.set_velocity(command[None])
-        expected = controller.control(physics.read())
-        targets = outside.targets(robot.state(), command)
-        np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
-        physics.step(expected)
-        data.qacc_warmstart[:] = 0.0  # the package keeps no warm start from step to step
-        robot.move(targets)
-        actions.append(outside.action)
-        halted.append(outside.halted)
-        np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-6)
-        torques = physics.read().motor_torques[0]
-        np.testing.assert_allclose(data.actuator_force, torques, atol=1e-3)
-        # A foot may touch down a step of the simulation sooner in one of the two: go on as one.
-        data.qpos[:], data.qvel[:] = physics.qpos[0], physics.qvel[0]
-    moved = agent.view(physics.read()).action_scale > 0
-    assert np.std(actions, axis=0)[moved].min() > 1e-3, "the policy must do something"
-    if policy.env.phase.halt.below > 0:
-        assert halted[0]
-        assert not any(halted[STARTED + 1 : STOPPED])
-        assert halted[-1]
-    if policy.env.phase.mirror:
-        assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
+def test_it_walks_on_after_a_sample_that_is_no_number(example, contract, name, index):
+    def spoil(tick, readings):
+        if tick % 50 == 40:
+            readings[name][index] = np.nan
+
+    assert Walk(example, contract).go(4.0, 1.2, spoil) == pytest.approx(4.0, abs=0.8)
 
 
-def test_it_estimates_the_state_like_the_package(tmp_path):
-    onboard = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 17))
-    policy = exported(tmp_path, estimator=onboard.estimator)
-    physics = BatchedPhysics(policy.robot, policy.env.physics, 1, onboard=onboard)
-    example = load_example()
-    outside = example.Policy(tmp_path)
-    robot = example.Simulation(tmp_path, outside.layout)
-    estimator = example.Estimator(outside.layout, robot.model)
-    physics.reset(np.arange(1), robot.data.qpos[None].copy(), np.zeros((1, 18)))
-    for _ in range(STEPS):
-        expected, state = physics.measure(physics.read()), estimator.update(robot.measure())
-        for name in ("linear_velocity", "heading_velocity", "gravity", "yaw"):
-            np.testing.assert_allclose(state[name], getattr(expected, name)[0], atol=1e-6)
-        assert state["height"] == pytest.approx(expected.base_height[0], abs=1e-6)
-        targets = outside.targets(state, VELOCITY)
-        robot.data.qacc_warmstart[:] = 0.0
-        robot.move(targets)
-        physics.step(targets[None])
-    assert abs(expected.heading_velocity[0, 0]) > 0.01, "the robot must move"
+def test_it_starts_again_where_it_was_stopped(example, contract):
+    """20 times from rest at 2.2 m/s, each after a walk of another length, with the same object."""
+    walk = Walk(example, contract)
+    data, rng = walk.robot.data, np.random.default_rng(0)
+    rest = data.qpos.copy()
+    for trial in range(20):
+        walk.go(0.5 + 0.05 * trial, 2.2)
+        data.time += 1.0
+        data.qpos[:], data.qvel[:] = rest, 0.0
+        data.qpos[7:] += 0.005 * rng.standard_normal(12)
+    assert walk.go(3.0, 2.2) > 4.0
 
 
-def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
-    exported(tmp_path)
-    example = load_example()
-    outside = example.Policy(tmp_path)
-    state = example.Simulation(tmp_path, outside.layout).state()
-    outside.heading_target = 0.0
-    assert outside.terms(state, VELOCITY).keys() >= COMPUTED
-    outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
-    with pytest.raises(SystemExit, match="expected a value of smell here: how it smells"):
-        outside.targets(state, VELOCITY)
+def test_a_restart_is_a_new_object(example, contract):
+    walk, fresh = Walk(example, contract), Walk(example, contract)
+    walk.go(1.0, 1.2)
+    readings = fresh.robot.measure() | {"command": np.array([1.2, 0.0, 0.0])}
+    expected = fresh.policy(0.0, readings)
+    for now in (5.0, 0.0):  # a pause; a time that went back
+        np.testing.assert_array_equal(walk.policy(now, readings), expected)
 
 
-def test_it_is_a_program_of_python_3_8():
+def test_missed_and_late_ticks_are_made_up_for(example, contract):
+    """Calls at any times within a period of the due ones: the clock is that of the time."""
+    regular, irregular = (Walk(example, contract).policy for _ in range(2))
+    readings = Walk(example, contract).robot.measure() | {"command": np.array([1.2, 0.0, 0.0])}
+    for tick in range(100):
+        expected = regular(PERIOD * tick, readings)
+        if tick % 7 != 3:  # missed, but the first and last
+            found = irregular(PERIOD * (tick + 0.4 * (tick % 2)), readings)
+            np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_array_equal(irregular(PERIOD * 99.4, readings), found)  # the same period
+
+
+def test_it_walks_with_missed_ticks(example, contract):
+    walk = Walk(example, contract)
+    policy = walk.policy
+
+    def sometimes(now, readings):
+        return (
+            policy.outputs and [policy.outputs[0][0]]
+            if round(now / PERIOD) % 20 == 13
+            else policy(now, readings)
+        )
+
+    walk.policy = sometimes
+    assert walk.go(4.0, 1.2) == pytest.approx(4.0, abs=0.8)
+
+
+@pytest.mark.parametrize("timestep", [0.004, 0.003])
+def test_the_rate_of_the_network_is_the_contracts(example, contract, tmp_path, timestep):
+    folder = shutil.copytree(SHIPPED, tmp_path / "policy")
+    model = folder / "robot.xml"
+    model.write_text(model.read_text().replace('timestep="0.005"', f'timestep="{timestep}"'))
+    if timestep == 0.004:
+        assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
+        return
+    with pytest.raises(SystemExit, match=r"divides the control period of 0.02 s, found 0.003$"):
+        example.Simulation(folder, contract)
+
+
+def test_joints_are_found_by_name(example, contract, tmp_path):
+    """The model's legs change places, and with them its joints and motors."""
+    folder = shutil.copytree(SHIPPED, tmp_path / "policy")
+    tree = ElementTree.parse(folder / "robot.xml")
+    base = next(body for body in tree.iter("body") if body.get("name") == "base")
+    legs = base.findall("body")
+    base.remove(legs[0])
+    base.append(legs[0])
+    motors = tree.getroot().find("actuator")
+    motors[:] = motors[::-1]
+    tree.write(folder / "robot.xml")
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    assert model.joint(1).name != contract["joints"][0]["name"]
+    assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
+
+
+def test_it_is_a_short_program_of_python_3_8():
     """Grammar, and annotations that are not evaluated."""
-    tree = ast.parse(EXAMPLE.read_text(), feature_version=(3, 8))
+    text = EXAMPLE.read_text()
+    assert len(text.splitlines()) <= 150
+    tree = ast.parse(text, feature_version=(3, 8))
     assert "__future__" in [x.module for x in tree.body if isinstance(x, ast.ImportFrom)]
     called = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     keywords = {node.arg for node in ast.walk(tree) if isinstance(node, ast.keyword)}
     assert not (called | keywords) & {"removeprefix", "removesuffix", "pairwise", "strict"}
 
 
-def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(tmp_path):
-    exported(tmp_path)
-    model = tmp_path / "robot.xml"
+def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(example, contract, tmp_path):
+    folder = shutil.copytree(SHIPPED, tmp_path / "policy")
+    model = folder / "robot.xml"
     model.write_text(model.read_text().replace('gaintype="dcmotor"', 'gaintype="future"'))
-    layout = json.loads((tmp_path / "policy.json").read_text())
-    oldest = layout["simulation"]["mujoco"]
+    oldest = contract["simulation"]["mujoco"]
     with pytest.raises(SystemExit, match=rf"^robot.xml: expected MuJoCo {oldest} or newer, found"):
-        load_example().Simulation(tmp_path, layout)
+        example.Simulation(folder, contract)
 
 
-def test_it_runs_as_a_program_without_the_package(tmp_path):
-    exported(tmp_path, estimator=ONBOARD.estimator)
+def test_it_walks_on_its_sensors_as_a_program_without_the_package(tmp_path):
     blocked = tmp_path / "blocked" / "slider"
     blocked.mkdir(parents=True)
     (blocked / "__init__.py").write_text("raise ImportError('the example needs the package')")
-    options = ["--velocity", "0", "0", "0", "--seconds", "1", "--onboard"]
     answer = subprocess.run(
-        [sys.executable, str(EXAMPLE), str(tmp_path), *options],
+        [sys.executable, str(EXAMPLE), str(SHIPPED), "--velocity", "1.2", "0", "0", "--onboard"],
         env={"PYTHONPATH": str(blocked.parent)},
         capture_output=True,
         text=True,
-        check=False,
+        check=True,
     )
-    if answer.returncode == 0:
-        first, last = answer.stdout.splitlines()
-        assert first.startswith("estimator: ")
-        assert last.startswith("walked: 1.0 s")
-    else:  # the network is not trained
-        assert re.fullmatch(r"fell after 0\.\d\d s\n", answer.stderr)
+    first, last = answer.stdout.splitlines()
+    errors = re.fullmatch(r"estimator: error of vx, vy: (.*), (.*) m/s RMS", first)
+    assert max(map(float, errors.groups())) < 0.05
+    assert float(re.match(r"walked: 10.0 s, x = (\S+) m", last)[1]) == pytest.approx(11.5, abs=1.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        ("--velocity nan 0 0", "argument --velocity: invalid number value: 'nan'"),
-        ("--seconds -1", "argument --seconds: invalid duration value: '-1'"),
-        ("--seconds inf", "argument --seconds: invalid duration value: 'inf'"),
-    ],
-)
-def test_an_impossible_option_is_one_line(options, line, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["run_policy.py", "nowhere", *options.split()])
+@pytest.mark.parametrize("options", ["--velocity nan 0 0", "--seconds -1", "--seconds inf"])
+def test_an_impossible_option_is_one_line(example, options, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["run_policy.py", str(SHIPPED), *options.split()])
     with pytest.raises(SystemExit, match="2"):
-        load_example().main()
-    assert capsys.readouterr().err.splitlines()[-1].endswith(line)
+        example.main()
+    expected = "expected finite numbers and a positive time"
+    assert capsys.readouterr().err.splitlines()[-1].endswith(expected)
 
 
 @pytest.mark.parametrize("fall", ["tilted", "low", "reset by MuJoCo"])
-def test_a_fall_ends_it_with_status_1(fall, monkeypatch, tmp_path):
-    exported(tmp_path)
-    example = load_example()
+def test_a_fall_ends_it_with_status_1(example, fall, monkeypatch):
     move = example.Simulation.move
 
     def fall_once(robot, targets) -> None:
@@ -206,9 +229,9 @@ def test_a_fall_ends_it_with_status_1(fall, monkeypatch, tmp_path):
             else:  # it begins anew, upright
                 data.qvel[3] = 1e12
                 move(robot, targets)
-                data.qpos[2] = robot.layout["observation"]["nominal_height"]
+                data.qpos[2] = robot.height
 
-    monkeypatch.setattr(sys, "argv", ["run_policy.py", str(tmp_path), "--seconds", "1"])
+    monkeypatch.setattr(sys, "argv", ["run_policy.py", str(SHIPPED), "--seconds", "1"])
     monkeypatch.setattr(example.Simulation, "move", fall_once)
-    with pytest.raises(SystemExit, match=r"^fell after 0\.1\d s$"):
+    with pytest.raises(SystemExit, match=r"^fell after 0\.\d\d s$"):
         example.main()

@@ -1,55 +1,57 @@
-"""The exported files: the same actions, complete, the same bytes, and nothing of this machine."""
+"""The exported files: the same joint targets, complete, the same bytes, nothing of this machine."""
 
 import json
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import onnx
 import pytest
-import torch
 
 from slider.cli import main
-from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX
-from slider.control.export import (
-    LAYOUT_KEY,
-    TOLERANCE,
-    compare,
-    export,
-    record_observations,
-    save_onnx,
-    write_files,
-)
-from slider.control.exported import OnnxNetwork
-from slider.control.policy import PolicyNetwork, load_policy
+from slider.control import ESTIMATOR, EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE
+from slider.control.export import TOLERANCE, compare, write_files
+from slider.control.policy import load_policy
 from slider.core.errors import UserError
+from slider.env.observations import TERMS
 from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
+from tests.config.composed import CONF
 from tests.control.policies import make_policy, write_policy
-from tests.env.synthetic import motor_angles
+from tests.env.synthetic import config, motor_angles
+
+SETTINGS = config("experiment=test").env.estimator
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("export")
-    write_policy(folder / "policy.pt")
-    export(folder / "policy.pt", {"recipe": "abc"}, folder)
+    write_policy(folder / POLICY_FILE)
+    write_files(folder / POLICY_FILE, {"recipe": "abc"}, folder, SETTINGS)
     return folder
 
 
 def test_another_network_is_refused(folder):
-    policy = load_policy(folder / "policy.pt")
-    observations = record_observations(policy, 0.1)
-    assert compare(policy, folder / ONNX, observations) <= TOLERANCE
+    policy = load_policy(folder / POLICY_FILE)
+    assert compare(policy, folder / ONNX, 0.1) <= TOLERANCE
     for spoiled in (policy.network.std[3] + 0.01, np.nan):
         policy.network.std[3] = spoiled
-        with pytest.raises(UserError, match="actions of the ONNX file within 1e-05"):
-            compare(policy, folder / ONNX, observations)
+        with pytest.raises(UserError, match="joint targets of the ONNX file within 1e-06"):
+            compare(policy, folder / ONNX, 0.1)
 
 
-def test_the_layout_is_in_both_files(folder):
+def test_the_graphs_are_of_2022_and_the_contract_names_their_ends(folder):
     layout = json.loads((folder / LAYOUT).read_text())
-    model = onnx.load(folder / ONNX)
-    assert json.loads({p.key: p.value for p in model.metadata_props}[LAYOUT_KEY]) == layout
+    for name in (ONNX, ESTIMATOR):
+        model = onnx.load(folder / name)
+        assert (model.ir_version, model.opset_import[0].version) == (8, 13)
+        told = layout["graphs"][name]
+        sizes = {end.name: end.type.tensor_type.shape.dim[1].dim_value for end in model.graph.input}
+        state = told["state"]
+        assert sizes == {n: given["size"] for n, given in told["inputs"].items()} | {
+            state["input"]: state["size"]
+        }
+        assert [end.name for end in model.graph.output] == [*told["outputs"], state["output"]]
     assert layout["provenance"]["recipe"] == "abc"
     assert len(layout["provenance"]["policy_sha256"]) == 64
     assert layout["training"] == {"seed": 1, "iteration": 20, "value": 0.25}
@@ -84,8 +86,8 @@ def test_the_model_steps_like_the_simulated_one(folder):
 
 
 def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):
-    write_policy(tmp_path / "policy.pt")
-    write_files(tmp_path / "policy.pt", {"recipe": "abc"}, tmp_path)
+    write_policy(tmp_path / POLICY_FILE)
+    write_files(tmp_path / POLICY_FILE, {"recipe": "abc"}, tmp_path, SETTINGS)
     assert {path.name for path in tmp_path.iterdir()} == set(EXPORT_FILES)
     for name in EXPORT_FILES:
         content = (tmp_path / name).read_bytes()
@@ -93,32 +95,26 @@ def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):
         assert b"site-packages" not in content, name
 
 
+def test_an_observation_that_no_robot_has_is_refused(tmp_path, monkeypatch):
+    write_policy(tmp_path / POLICY_FILE)
+    felt = replace(TERMS["base_height"], function=lambda view: view.state.foot_forces[:, :1])
+    monkeypatch.setitem(TERMS, "base_height", felt)
+    with pytest.raises(UserError, match=r"expected observations of .*needs foot_forces$"):
+        write_files(tmp_path / POLICY_FILE, {}, tmp_path, SETTINGS)
+
+
 def test_the_command_exports_and_shows(folder, tmp_path, refused, capsys):
-    path, out = str(folder / "policy.pt"), tmp_path / "a"
-    assert main(["policy", "export", path, "--out", str(out)]) == 0
-    assert "largest difference of an action over 4800 observations" in capsys.readouterr().out
+    path, out = str(folder / POLICY_FILE), tmp_path / "a"
+    assert main(["policy", "export", path, "--out", str(out), "--conf", str(CONF)]) == 0
+    assert "largest difference of a joint target in a roll-out: " in capsys.readouterr().out
     assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)
-    size = sum(load_policy(folder / "policy.pt").observations.values())
-    assert main(["policy", "show", path]) == 0
-    shown = capsys.readouterr().out
-    for part in (f"{size} × 24 × 16 × 12, elu", "actions about   the gait", "left_slide"):
-        assert part in shown
+    size = sum(load_policy(folder / POLICY_FILE).observations.values())
+    for shown in (path, str(folder)):
+        assert main(["policy", "show", shown]) == 0
+        text = capsys.readouterr().out
+        for part in (f"{size} × 24 × 16 × 12, elu", "actions about   the gait", "left_slide"):
+            assert part in text
     assert main(["policy", "show", "--json", path]) == 0
-    assert json.loads(capsys.readouterr().out)["observation"]["size"] == size
-    (tmp_path / "policy.pt").write_text("not a policy")
-    assert "expected a policy file" in refused("policy", "show", str(tmp_path / "policy.pt"))
-
-
-@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
-def test_onnx_loads_in_the_runtimes_of_2022_with_any_activation(tmp_path, activation):
-    network = PolicyNetwork(5, 12, (8, 4), activation).eval()
-    network.mean.fill_(0.3)
-    network.std.fill_(2.0)
-    save_onnx(network, {}, tmp_path / ONNX)
-    model = onnx.load(tmp_path / ONNX)
-    assert (model.ir_version, model.opset_import[0].version) == (8, 13)
-    observations = torch.randn(7, 5)
-    with torch.inference_mode():
-        expected = network(observations).numpy()
-    actions = OnnxNetwork(tmp_path / ONNX, 5)(observations)
-    np.testing.assert_allclose(actions, expected, atol=1e-6)
+    assert json.loads(capsys.readouterr().out)["robot"] == "slider"
+    (tmp_path / POLICY_FILE).write_text("not a policy")
+    assert "expected a policy file" in refused("policy", "show", str(tmp_path / POLICY_FILE))

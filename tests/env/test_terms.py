@@ -71,7 +71,7 @@ def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(do
     env = build(whole)
     generator = torch.Generator().manual_seed(0)
     logged, loaded = [], 0
-    rows = describe(make_policy(*overrides), {})["observation"]["terms"]
+    rows = describe(make_policy(*overrides), {}, {})["observation"]
     (row,) = [each for each in rows if each["name"] == "foot_forces"]
     assert (row["width"], row["scale"], row["units"]) == (2, 0.005, ["N", "N"])
     assert row["components"] == ["left", "right"]

@@ -83,7 +83,7 @@ def walking(tmp_path_factory):
     """A policy with random weights, and its export."""
     folder = tmp_path_factory.mktemp("walking")
     write_policy(folder / "policy.pt")
-    write_files(folder / "policy.pt", {}, folder)
+    write_files(folder / "policy.pt", {}, folder, config("experiment=test").env.estimator)
     return folder
 
 

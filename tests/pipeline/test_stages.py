@@ -262,7 +262,7 @@ def gauge(*overrides: str) -> JobSpec:
 
 
 def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
-    for name in ("policy.onnx", "policy.json", "reference.npy"):
+    for name in ("policy.onnx", "policy.json"):
         (tmp_path / name).write_text(name)
     made = gauge("gauge.controllers=[o,o_onboard]", f"+gauge.policies.o={tmp_path}")
     assert made.section["labels"] == {"o": "o", "o_onboard": "o, onboard state"}

@@ -24,32 +24,42 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
 
 
 @pytest.mark.parametrize(
-    ("arguments", "machine", "message"),
+    ("arguments", "message"),
     [
-        ("--gait 0.6", None, "--gait: expected VX VY [YAW_RATE], found 1 values"),
-        ("zero --velocity inf 0 0", None, "--velocity: expected a finite number, found inf"),
-        ("zero --velocity 9 0 0", None, "--velocity: expected VX between -1 and 3, found 9"),
-        ("zero --seconds 0", None, "--seconds: expected a positive number, found 0"),
-        ("zero --seed -1", None, "--seed: expected no negative number, found -1"),
-        ("zero --web --port 99999", None, "--port: expected a number from 0 to 65535, found"),
-        ("zero --web --host 256.1.1.1", None, "--host: expected an address of this machine"),
-        ("zero --film w.mp4", None, "--film: expected a name that ends with .webp, found w.mp4"),
-        ("zero --film w.webp --seconds 0.1", None, "--film: expected --seconds of at least 1"),
-        ("walker", None, f"agent: expected one of {', '.join(AGENTS)}, random, found walker"),
-        ("zero", no_display, "expected a display, found none: use --web or --headless"),
-        ("zero", macos_without_mjpython, "mjpython"),
-        ("", None, "make it with `snakemake -j2 policy`"),
+        ("--gait 0.6", "--gait: expected VX VY [YAW_RATE], found 1 values"),
+        ("zero --velocity inf 0 0", "--velocity: expected a finite number, found inf"),
+        ("zero --velocity 9 0 0", "--velocity: expected VX between -1 and 3, found 9"),
+        ("zero --seconds 0", "--seconds: expected a positive number, found 0"),
+        ("zero --seed -1", "--seed: expected no negative number, found -1"),
+        ("zero --web --port 99999", "--port: expected a number from 0 to 65535, found"),
+        ("zero --web --host 256.1.1.1", "--host: expected an address of this machine"),
+        ("zero --film w.mp4", "--film: expected a name that ends with .webp, found w.mp4"),
+        ("zero --film w.webp --seconds 0.1", "--film: expected --seconds of at least 1"),
+        ("walker", f"agent: expected one of {', '.join(AGENTS)}, random, found walker"),
+        ("", "make it with `snakemake -j2 policy`"),
     ],
 )
-def test_each_refusal_is_one_line(arguments, machine, message, capsys, monkeypatch, tmp_path):
+def test_each_refusal_is_one_line(arguments, message, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    if machine:
-        machine(monkeypatch)
     assert main(["play", *arguments.split(), "--conf", str(CONF)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("slider: ")
     assert message in line
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("machine", "reason"),
+    [(no_display, "expected a display, found none"), (macos_without_mjpython, "mjpython")],
+)
+def test_without_a_window_it_is_in_the_browser(machine, reason, capsys, monkeypatch):
+    served = []
+    monkeypatch.setattr("slider.play.web.run", lambda *given: served.append(given[3:]))
+    machine(monkeypatch)
+    assert main(["play", "zero", "--conf", str(CONF)]) == 0
+    assert served == [("127.0.0.1", 0)]
+    assert reason in capsys.readouterr().out
+    assert capsys.readouterr().err == ""
 
 
 def test_a_fall_is_status_1_and_leaves_no_log(tmp_path, monkeypatch, capsys):

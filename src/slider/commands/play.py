@@ -30,7 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=POLICY,
         help=f"{POLICY} (default), a controller of conf/control, {smoke}",
     )
-    parser.add_argument("--policy", type=Path, help="policy file (default: of the current plan)")
+    parser.add_argument(
+        "--policy",
+        type=Path,
+        help="policy.pt, or the folder of an export (default: of the current plan)",
+    )
     parser.add_argument(
         "--gait",
         type=finite,
@@ -93,14 +97,17 @@ def run(arguments: argparse.Namespace) -> int:
         from slider.play import animation
 
         return animation.run(scene, control, arguments.seconds, arguments.film)
-    if arguments.web:
-        from slider.play import web
-
-        web.run(scene, control, arguments.seconds, arguments.host, arguments.port)
-    else:
+    if not arguments.web:
         from slider.play import window
 
-        window.run(scene, control, arguments.seconds)
+        try:
+            window.run(scene, control, arguments.seconds)
+            return 0
+        except window.NoWindow as reason:
+            print(f"{reason}: shown in a browser")
+    from slider.play import web
+
+    web.run(scene, control, arguments.seconds, arguments.host, arguments.port)
     return 0
 
 

@@ -5,12 +5,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from slider.artefacts.current import add_store_argument, current_folder, current_result
+from slider.artefacts.run_metadata import last_robot
 from slider.artefacts.store import Store
 from slider.commands import make_folder
-from slider.control import EXPORT_FILES, POLICY_FILE
+from slider.composition.compose import compose
+from slider.control import EXPORT_FILES, ONNX, POLICY_FILE
 
 _MAKE = "snakemake -j2 policy"
 
@@ -22,29 +22,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument("--json", action="store_true", help="the whole layout, for programs")
     export = actions.add_parser("export", help="write it for use without this package")
     export.add_argument("--out", type=Path, default=Path("policy"), help="folder (default: policy)")
+    export.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     for action in (show, export):
         action.add_argument(
-            "file", type=Path, nargs="?", help="policy.pt (default: of the current plan)"
+            "file",
+            type=Path,
+            nargs="?",
+            help="policy.pt, to show also the folder of an export (default: of the current plan)",
         )
         add_store_argument(action)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Show or export one policy."""
-    file, origin = _choose(arguments)
-    if arguments.action == "export":
-        from slider.control.export import export
-
-        make_folder(arguments.out)
-        observations, difference = export(file, origin, arguments.out)
-        print("\n".join(str(arguments.out / name) for name in EXPORT_FILES))
-        found = f"{observations} observations of a roll-out: {difference:.1e}"
-        print(f"largest difference of an action over {found}")
-        return
+    from slider.control import export, exported
+    from slider.control.deployment import policy_step
     from slider.control.layout import describe
     from slider.control.policy import load_policy
 
-    layout = describe(load_policy(file), origin)
+    file, origin = _choose(arguments)
+    if arguments.action == "export":
+        config = compose(last_robot(arguments.artefacts), arguments.conf)
+        make_folder(arguments.out)
+        policy = export.write_files(file, origin, arguments.out, config.env.estimator)
+        difference = export.compare(policy, arguments.out / ONNX, export.DURATION)
+        print("\n".join(str(arguments.out / name) for name in EXPORT_FILES))
+        print(f"largest difference of a joint target in a roll-out: {difference:.1e}")
+        return
+    if file.is_dir():
+        layout = exported.read_layout(file)
+    else:
+        policy = load_policy(file)
+        layout = describe(policy, origin, {ONNX: policy_step(policy)})
     print(json.dumps(layout, indent=1) if arguments.json else summary(layout))
 
 
@@ -62,29 +71,33 @@ def summary(layout: dict[str, Any]) -> str:
     """Facts of a policy, and tables of its observation, joints and motors."""
     import pandas as pd
 
-    network, observation, action = layout["network"], layout["observation"], layout["action"]
-    widths = [observation["size"], *network["hidden"], action["size"]]
+    network, joints = layout["network"], layout["joints"]
+    scaled = zip(joints, layout["action"]["scale"], strict=True)
     terms = [
-        term | {"unit": ", ".join(dict.fromkeys(term["units"]))} for term in observation["terms"]
+        term | {"unit": ", ".join(dict.fromkeys(term["units"]))} for term in layout["observation"]
     ]
+    widths = [sum(term["width"] for term in terms), *network["hidden"], len(joints)]
     tables = [
         pd.DataFrame(
             [{title: row["name"]} | {name: row[name] for name in columns} for row in rows]
         ).to_string(index=False, float_format="{:g}".format)
         for title, rows, columns in (
             ("observation", terms, ("start", "width", "scale", "frame", "unit")),
-            ("joint", action["joints"], ("nominal", "scale", "lower", "upper")),
-            ("motor", action["motors"], ("kp", "kd", "torque_limit", "no_load_speed")),
+            (
+                "joint",
+                [joint | {"scale": scale} for joint, scale in scaled],
+                ("default", "scale", "lower", "upper"),
+            ),
+            ("motor", layout["motors"], ("kp", "kd", "torque_limit", "no_load_speed")),
         )
     ]
     offset, clock = "the nominal pose", "none"
-    if action["offset"] != "nominal":
-        acceleration = layout["reference"]["acceleration"]
-        offset = f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
+    if layout["action"]["offset"] != "nominal":
+        offset = "the gait of the reference velocity"
     if layout["clock"] is not None:
-        times = np.ravel(layout["clock"]["step_time"])
+        shortest, longest = layout["clock"]["step_time"]
         mirror = "mirrored in right stance" if layout["clock"]["mirror"] else "not mirrored"
-        clock = f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"
+        clock = f"steps of {shortest:.2f} to {longest:.2f} s, {mirror}"
     facts = [
         f"robot           {layout['robot']}",
         f"control period  {layout['control_period']:g} s",

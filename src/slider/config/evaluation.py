@@ -191,7 +191,7 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
     controllers: t.Distinct[t.Some[t.Name]]
     """as in ``evaluation``, or NAME or NAME_onboard of ``policies``"""
     policies: dict[str, t.Name] = field(default_factory=dict)
-    """folders of exported policies: policy.onnx, policy.json, reference.npy"""
+    """folders of exported policies: policy.onnx, policy.json"""
     axes: t.Distinct[t.Some[t.Name]]
     """kinds of terrain, whose level is that of the terrain, and names of ``scales``"""
     levels: Annotated[t.Count, Field(le=LEVELS)]

@@ -2,8 +2,8 @@
 
 POLICY_FILE = "policy.pt"  # of a training
 ONNX = "policy.onnx"
+ESTIMATOR = "estimator.onnx"
 LAYOUT = "policy.json"
 MODEL = "robot.xml"
-REFERENCE = "reference.npy"
-EXPORT_FILES = (POLICY_FILE, ONNX, LAYOUT, MODEL, REFERENCE)
+EXPORT_FILES = (POLICY_FILE, ONNX, ESTIMATOR, LAYOUT, MODEL)
 """Files of a policy for use without this package."""

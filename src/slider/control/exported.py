@@ -1,37 +1,38 @@
 """A policy from the files of its export, and the stage ``policy_import``, which stores these.
 
-It runs in this package's environment, so its layout must be that of the configured robot and env.
+It runs in this package's environment, so its robot must be the configured one.
 """
 
 import json
 import shutil
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import onnxruntime
-import torch
 
-from slider.config.env import EnvConfig
+from slider.config.env import EnvConfig, HeightScan
 from slider.config.robot import RobotConfig
-from slider.control import LAYOUT, ONNX, REFERENCE
-from slider.control.layout import FORMAT, INPUT, VERSION, describe
-from slider.control.policy import Policy, PolicyNetwork
+from slider.control import LAYOUT, ONNX
+from slider.control.layout import FORMAT, STATE, VERSION, hardware
 from slider.core.errors import UserError, require
 from slider.core.files import digest_file, flatten
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.observations import Observer
-from slider.library.lookup import GaitTable, StepTimes
-from slider.robot.names import NUM_JOINTS, VELOCITY
-
-_COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
+from slider.env.interface import FLOAT64
+from slider.env.observations import height_scan
+from slider.env.state import RobotState, View
 
 
-class OnnxNetwork:
-    """A network in an ONNX file, on one thread of the processor."""
+class OnnxController:
+    """A policy in an ONNX file, on one thread of the processor, for any number of robots.
 
-    def __init__(self, path: Path, size: int) -> None:
+    ``scan`` is the grid of its height scan, if it has one.
+
+    Raises:
+        UserError: not the file of a policy.
+    """
+
+    def __init__(self, path: Path, scan: HeightScan) -> None:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         try:
@@ -40,16 +41,42 @@ class OnnxNetwork:
             )
         except Exception:  # onnxruntime raises errors of its own kinds
             raise UserError(f"{path}: expected an ONNX file, found another one") from None
-        names = [item.name for item in self._session.get_inputs()]
-        require(names == [INPUT], str(path), f"the input {INPUT}", ", ".join(names))
-        ends = self._session.get_inputs()[0], self._session.get_outputs()[0]
-        found, expected = [item.shape[-1] for item in ends], [size, NUM_JOINTS]
-        require(found == expected, str(path), f"sizes {expected} of input and output", found)
+        self._sizes = {item.name: item.shape[-1] for item in self._session.get_inputs()}
+        require(STATE in self._sizes, str(path), f"the input {STATE}", ", ".join(self._sizes))
+        self._scan = scan
 
-    def __call__(self, observations: torch.Tensor) -> torch.Tensor:
-        """Actions (N, 12) of observations (N, size)."""
-        values = observations.numpy().astype(np.float32)
-        return torch.from_numpy(np.asarray(self._session.run(None, {INPUT: values})[0]))
+    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
+        """Start anew, commanded to ``velocity`` (N, 3)."""
+        self._state = np.zeros((state.num_robots, self._sizes[STATE]))
+        self._velocity = velocity
+
+    def set_velocity(self, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from the next call on."""
+        self._velocity = velocity
+
+    def control(self, state: RobotState) -> np.ndarray:
+        """Desired joint positions (N, 12) [rad or m], once per control period."""
+        given: dict[str, Any] = {
+            "command": self._velocity,
+            "height": state.base_height[:, None],
+            STATE: self._state,
+        }
+        if "height_scan" in self._sizes:
+            given["height_scan"] = self._scanned(state)
+        feeds = {n: given[n] if n in given else getattr(state, n) for n in self._sizes}
+        targets, self._state = cast(list[np.ndarray], self._session.run(None, feeds))
+        return targets
+
+    def _scanned(self, state: RobotState) -> np.ndarray:
+        view = cast(View, _Seen(state.tensors(FLOAT64), self._scan))
+        return height_scan(view).numpy()
+
+
+class _Seen:
+    """What the height scan reads."""
+
+    def __init__(self, state: RobotState, scan: HeightScan) -> None:
+        self.state, self.scan = state, scan
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -66,51 +93,42 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return dict(section["files"])
 
 
-def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> tuple[OnnxNetwork, Policy]:
-    """Read a network, and the policy whose own network it takes the place of.
+def read_layout(folder: Path) -> dict[str, Any]:
+    """The contract of an export.
 
     Raises:
-        UserError: the layout is of another version, or not that of ``robot`` and ``env``.
+        UserError: there is none, or of another version.
     """
     path = folder / LAYOUT
     try:
         layout = json.loads(path.read_text(encoding="utf-8"))
         found, expected = f"{layout['format']} {layout['version']}", f"{FORMAT} {VERSION}"
-        require(found == expected, str(path), expected, found)
-        clock, reference = layout["clock"], layout["reference"]
-        times = StepTimes.constant(1.0) if clock is None else _times(clock, clock["step_time"])
-        shape = reference["shape"]
-        positions = np.load(folder / REFERENCE, allow_pickle=False).reshape(shape)
-        table = GaitTable(_times(reference, np.ones(shape[:3])), positions)
-        sizes = Observer(env.observation, robot.geometry).layout
-        network = PolicyNetwork(sum(sizes.values()), NUM_JOINTS, (), "elu")
-        policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, table)
-        wanted, own = (_leaves(node) for node in (describe(policy, {}), layout))
-        for key in dict.fromkeys([*wanted, *own]):
-            value, other = wanted.get(key, "nothing"), own.get(key, "nothing")
-            require(value == other, f"{path}, {key}", f"{value}, as configured", other)
-    except (KeyError, TypeError, ValueError):
+    except (OSError, KeyError, TypeError, ValueError):
         raise UserError(f"{path}: expected a layout of this project, found another file") from None
-    return OnnxNetwork(folder / ONNX, sum(sizes.values())), policy
+    require(found == expected, str(path), expected, found)
+    return layout
 
 
-def _times(node: Mapping[str, Any], step_time: Any) -> StepTimes:
-    axes = {name: np.array(node[name]) for name in VELOCITY}
-    return StepTimes(**axes, step_time=np.array(step_time))
+def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> OnnxController:
+    """Read a policy that is for ``robot`` and ``env``.
+
+    Raises:
+        UserError: the layout is of another version, or of another robot.
+    """
+    layout, own = read_layout(folder), hardware(robot, env)
+    wanted, found = (_leaves({name: node.get(name) for name in own}) for node in (own, layout))
+    for key in dict.fromkeys([*wanted, *found]):
+        value, other = wanted.get(key, "nothing"), found.get(key, "nothing")
+        require(value == other, f"{folder / LAYOUT}, {key}", f"{value}, as configured", other)
+    return OnnxController(folder / ONNX, env.observation.height_scan)
 
 
-def _leaves(layout: Mapping[str, Any]) -> dict[str, Any]:
-    """What must agree, by dotted place; not the meanings, which are words."""
+def _leaves(value: dict[str, Any]) -> dict[str, Any]:
+    """Values by dotted place."""
 
     def named(value: Any) -> Any:
         if isinstance(value, list):
             value = {str(index): item for index, item in enumerate(value)}
-        if isinstance(value, dict):
-            return {name: named(item) for name, item in value.items() if name != "meaning"}
-        return value
+        return {n: named(item) for n, item in value.items()} if isinstance(value, dict) else value
 
-    parts = {name: layout[name] for name in _COMPARED}
-    parts["reference"] = {"acceleration": layout["reference"]["acceleration"]}
-    if layout["clock"] is not None:
-        parts["clock"] = {name: layout["clock"][name] for name in ("mirror", "halt")}
-    return flatten(named(parts))
+    return flatten(named(value))

@@ -92,17 +92,17 @@ class StateEstimator:
         legs = (leg * LEG_SIZE + np.array(robot.geometry.sagittal) for leg in range(len(SIDES)))
         self._sagittal = [asarray(motors[:, leg], like) for leg in legs]
         self._leg = Leg.of(robot)
-        self._velocity, self._position = zeros((2, count, 3), like)
-        self._variance = zeros((count, 2), like)  # of a velocity component, of the height
-        self._rates, self._forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
-        self._fresh = zeros(count, like) == 0
+        self.velocity, self.position = zeros((2, count, 3), like)
+        self.variance = zeros((count, 2), like)  # of a velocity component, of the height
+        self.rates, self.forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
+        self.fresh = zeros(count, like) == 0
 
     def reset(self, index: Array, place: Array) -> None:
         """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
-        for values in (self._velocity, self._variance, self._forces, self._rates):
+        for values in (self.velocity, self.variance, self.forces, self.rates):
             values[index] = 0.0
-        self._fresh[index] = True
-        self._position[index, :2] = place
+        self.fresh[index] = True
+        self.position[index, :2] = place
 
     def update(self, measured: RobotState, increment: Array, elapsed: Array) -> Estimate:
         """Estimate from new readings.
@@ -119,11 +119,11 @@ class StateEstimator:
         turning = xp.einsum("nij,nj->ni", rotation, measured.angular_velocity)
         joints, rates = measured.joint_positions, measured.joint_velocities
         feet = foot_motion(self._geometry, rotation, turning, joints, rates)
-        velocity = self._velocity + xp.einsum("nij,nj->ni", rotation, increment)
+        velocity = self.velocity + xp.einsum("nij,nj->ni", rotation, increment)
         velocity[:, 2] -= GRAVITY * elapsed
-        position = self._position + velocity * elapsed[:, None]
+        position = self.position + velocity * elapsed[:, None]
         deviations = asarray([config.acceleration, config.vertical_velocity], elapsed)
-        variance = self._variance + (deviations * elapsed[:, None]) ** 2
+        variance = self.variance + (deviations * elapsed[:, None]) ** 2
 
         leg_velocities, leg_heights = _odometry(feet)
         along = self._along(measured)
@@ -135,27 +135,27 @@ class StateEstimator:
         low, high = config.lifted, config.loaded
         loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
         lower = leg_heights >= xp.amax(leg_heights, 1)[:, None]
-        certainty = xp.where(self._fresh[:, None], 1.0 * lower, loaded)
+        certainty = xp.where(self.fresh[:, None], 1.0 * lower, loaded)
         information = certainty**2 / (1.0 + slip)
         total = information.sum(1)
         share = information / total.clip(1e-12, None)[:, None]
         noise = asarray([config.leg_velocity, config.leg_height], elapsed) ** 2
         gain = variance * total[:, None] / (variance * total[:, None] + noise)
-        fresh = self._fresh[:, None]
+        fresh = self.fresh[:, None]
         gain = xp.where(fresh, 1.0, gain)
         velocity += gain[:, :1] * ((share[..., None] * leg_velocities).sum(1) - velocity)
         position[:, 2] += gain[:, 1] * ((share * leg_heights).sum(1) - position[:, 2])
 
         due = fresh | (elapsed > 0)[:, None]
-        self._velocity = xp.where(due, velocity, self._velocity)
-        self._position = xp.where(due, position, self._position)
-        self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
-        self._rates = xp.where(due, along[1], self._rates)
-        self._forces = xp.where(due, forces, self._forces)
-        self._fresh = self._fresh & False
+        self.velocity = xp.where(due, velocity, self.velocity)
+        self.position = xp.where(due, position, self.position)
+        self.variance = xp.where(due, (1 - gain) * variance + fresh * noise, self.variance)
+        self.rates = xp.where(due, along[1], self.rates)
+        self.forces = xp.where(due, forces, self.forces)
+        self.fresh = self.fresh & False
         lifted = config.lifted * self._leg.weight
-        carried = xp.where(self._forces > lifted, self._forces, 0.0)
-        return Estimate(self._velocity, self._position, carried, feet)
+        carried = xp.where(self.forces > lifted, self.forces, 0.0)
+        return Estimate(self.velocity, self.position, carried, feet)
 
     def _foot_forces(
         self, specific: Array, feet: FootMotion, elapsed: Array, along: tuple[Array, Array, Array]
@@ -169,12 +169,12 @@ class StateEstimator:
         force, rates, longer = along
         leg = self._leg
         pull = leg.mass * specific / period + (leg.moment + leg.mass * longer) * feet.turning**2
-        change = (rates - self._rates) / period
-        force = force - 0.5 * leg.damping * (rates + self._rates)
+        change = (rates - self.rates) / period
+        force = force - 0.5 * leg.damping * (rates + self.rates)
         force = force + pull - (leg.mass + leg.reflected_mass) * change
         follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
-        force = self._forces + follow * (force * feet.axes[..., 2] - self._forces)
-        return xp.where(self._fresh[:, None], 0.0, force)
+        force = self.forces + follow * (force * feet.axes[..., 2] - self.forces)
+        return xp.where(self.fresh[:, None], 0.0, force)
 
     def _along(self, measured: RobotState) -> tuple[Array, Array, Array]:
         """Force of the motors along the legs [N], rate of their lengths [m/s], excess [m] (N, 2).

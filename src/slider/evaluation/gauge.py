@@ -19,11 +19,9 @@ from slider.config.evaluation import TERRAINS, GaugeProtocol, at_speed
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.control.exported import load_exported
-from slider.control.policy import PolicyController
 from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
-from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording
 from slider.env.terrain import magnitude
@@ -156,12 +154,10 @@ def _simulate_exported(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
 ) -> Simulated:
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    network, policy = load_exported(inputs["policy"][0], robot, env)
-    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     physics = BatchedPhysics(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
-    return Simulated(PolicyController(network, agent), physics, env)
+    return Simulated(load_exported(inputs["policy"][0], robot, env), physics, env)
 
 
 class _GivesUp:

@@ -16,6 +16,7 @@ from slider.config.env import EnvConfig
 from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
+from slider.control.exported import load_exported
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of, load_policy
@@ -47,19 +48,23 @@ class Scene:
 
 
 def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
-    """A policy on its own robot and in its own environment.
+    """A policy file on its own robot and in its own environment, or the folder of an export.
 
     Parts of both by which ``config`` differs from ``plain``, which is without overrides, replace
-    the policy's.
+    the policy's. An export walks on the robot and in the environment of ``config``.
 
     Raises:
-        UserError: the policy is for other observations or actions.
+        UserError: the policy is for other observations or actions, or for another robot.
     """
-    policy = load_policy(path)
-    robot = _changed(policy.robot, config.robot, plain.robot)
-    env = _changed(policy.env, config.env, plain.env)
-    env = replace(env, onboard=config.env.onboard)  # a policy of the true state has none
-    controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
+    if path.is_dir():
+        robot, env = config.robot, config.env
+        controller = load_exported(path, robot, env)
+    else:
+        policy = load_policy(path)
+        robot = _changed(policy.robot, config.robot, plain.robot)
+        env = _changed(policy.env, config.env, plain.env)
+        env = replace(env, onboard=config.env.onboard)  # a policy of the true state has none
+        controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
     disturbance = Disturbance(config.evaluation.disturbance, (seed,))
     physics = BatchedPhysics(
         robot, env.physics, 1, 1, disturbance=disturbance, onboard=env.estimation

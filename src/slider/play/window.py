@@ -45,6 +45,10 @@ _ACTIONS: dict[int, Callable[[Control], None]] = {
 }
 
 
+class NoWindow(UserError):
+    """There is no display, or it can open no window."""
+
+
 def on_key(control: Control, key: int) -> None:
     """Do the action of a key."""
     if key in _CHANGES:
@@ -57,13 +61,13 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
     """Show the scene until the window is closed.
 
     Raises:
-        UserError: there is no display.
+        NoWindow: see there.
     """
     if sys.platform == "linux":
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # GLFW's own text about the display
             if not glfw.init():
-                raise UserError("expected a display, found none: use --web or --headless")
+                raise NoWindow("expected a display, found none")
     print(f"{scene.title}\n{_HELP}")
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)
@@ -77,7 +81,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
             show_right_ui=False,
         )
     except (RuntimeError, mujoco.FatalError) as error:  # no window, or macOS without mjpython
-        raise UserError(f"expected a window, found: {error}; --web needs none") from None
+        raise NoWindow(f"expected a window, found: {error}") from None
     distance = _DISTANCE * leg_scale(scene.robot.geometry.leg_length)
     with window as handle:
         handle.cam.type = mujoco.mjtCamera.mjCAMERA_TRACKING

@@ -127,10 +127,14 @@ def outcome(jobs: Jobs, spec: JobSpec, truth: str, number: signal.Signals, secon
 
 
 def main() -> int:
-    """Print the counts of each kind and outcome; status 1 if a result is another one."""
+    """Print the counts of each kind and outcome.
+
+    Status 1 if a result is another one, or a signal interrupted no job of a kind.
+    """
     parser = argparse.ArgumentParser("signals", description=__doc__)
     parser.add_argument("--moments", type=int, default=10, metavar="N", help="of each job")
     moments = parser.parse_args().moments
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the background of a shell ignores it
     counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         jobs = Jobs.laid_out(Path(folder))
@@ -147,7 +151,9 @@ def main() -> int:
                 ] += 1
     for kind, count in sorted(counts.items()):
         print(f"{kind:<56}{count:>5}")
-    return int(any(OTHER in kind for kind in counts))
+    interrupted = sum("interrupted" in kind for kind in counts)
+    missed = interrupted < len(jobs.specs) * len(SIGNALS)
+    return int(missed or any(OTHER in kind for kind in counts))
 
 
 if __name__ == "__main__":

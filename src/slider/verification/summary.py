@@ -104,7 +104,7 @@ def write_markdown(
     lines = [f"* {failure.text}" for failure in failed[:_SHOWN_FAILURES]]
     if len(failed) > _SHOWN_FAILURES:
         lines.append(f"* {len(failed) - _SHOWN_FAILURES} more in `verification.csv`")
-    parts = [
+    parts: list[str | Table] = [
         f"{len(table)} gaits, {bounded} bounds. **{verdict}**",
         *["\n".join(lines)] * bool(lines),
     ]

@@ -1,6 +1,7 @@
 """What the pipeline calls: ``slider run`` and ``slider publish``."""
 
 import argparse
+import io
 import logging
 import os
 import shutil
@@ -8,7 +9,7 @@ import sys
 import traceback
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from typing import TextIO
 
@@ -78,17 +79,19 @@ def _output_to(log: Path) -> Iterator[TextIO]:
         saved = [os.dup(1), os.dup(2)]
         with log.open("wb", buffering=0) as file:
             _redirect((file.fileno(), file.fileno()))
-        logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
-        try:
-            yield terminal
-        finally:
-            _redirect((saved[0], saved[1]))
+            # Without a buffer: what a full disk does not take would follow on the terminal.
+            stream = io.TextIOWrapper(file, "utf-8", "replace", write_through=True)
+            logging.basicConfig(level=logging.WARNING, stream=stream)
+            try:
+                with redirect_stdout(stream), redirect_stderr(stream):
+                    yield terminal
+            finally:
+                _redirect((saved[0], saved[1]))
 
 
 def _redirect(targets: tuple[int, int]) -> None:
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError):  # no space for the end of the log
-            stream.flush()
+        stream.flush()
     for descriptor, target in zip((1, 2), targets, strict=True):
         os.dup2(target, descriptor)
 

@@ -192,7 +192,8 @@ def is_clear(place: Place, text: str) -> bool:
     found, separator, _ = text.partition(": expected ")
     names = [index for index, part in enumerate(place) if isinstance(part, str)]
     around = key(place[: names[-2] + 1 if len(names) > 1 else 1])  # of an item, that of its list
-    own = found == key(place) or found.startswith(f"{key(place)}[")  # or an item that a list lacks
+    lacking = found.startswith((f"{key(place)}[", f"{key(place)}."))  # an item, or a value
+    own = found == key(place) or lacking
     names = own or (found.startswith(around) and key(place).startswith(found))
     return bool(separator) and "\n" not in text and names
 

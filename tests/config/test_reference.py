@@ -1,16 +1,29 @@
 """Bounds, units and meanings are those of the schema's types; every key has them."""
 
 import dataclasses
+import json
 
 import pytest
+import yaml
+from jsonschema import Draft202012Validator
 
 from slider.cli import main
 from slider.config.gait import GaitConfig, VerificationConfig
-from slider.config.reference import OPTIONAL, Entry, entries, matching, meaning, page
+from slider.config.reference import (
+    OPTIONAL,
+    Entry,
+    editor_schema,
+    entries,
+    matching,
+    meaning,
+    page,
+)
 from slider.config.schema import Config
 from slider.core.errors import UserError
 from slider.env.terms import parameter_types
 from tests.config.composed import CONF, composed
+
+PERIODS = "number | s | (0, 100000], a multiple of env.control_period"
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +43,7 @@ def table(config) -> list[Entry]:
         ("train.walking.ppo.schedule", "one of adaptive, fixed |  | "),
         ("train.walking.reward.terms.heading.params.width", "number | rad² | (0, 10000]"),
         ("train.walking.velocities.yaw_rate.lower", "number | rad/s | [-10000, 10000]"),
+        ("finetuning.disturbance.push.interval", PERIODS),
         ("evaluation.disturbance.friction", "values of lower, upper |  | or null"),
         ("evaluation.speeds", "list of numbers | m/s | [-100, 100], each once"),
         ("gait.nodes", "integer |  | [5, 201], an odd number"),
@@ -52,6 +66,32 @@ def test_the_text_under_a_field_is_its_meaning_also_where_it_is_inherited():
     assert meaning(GaitConfig, "nodes") == "collocation nodes per step"
     assert meaning(VerificationConfig, "points").startswith("per step")
     assert meaning(GaitConfig, "grid") == ""
+
+
+@pytest.mark.parametrize(
+    ("group", "folder"),
+    [
+        *(("", "experiment"), ("gait", "gait"), ("gait.grid", "gait/grid"), ("robot", "robot")),
+        *(("control.mine", "control"), ("env", "env"), ("train.walking", "train/walking")),
+        *(("evaluation", "evaluation"), ("gauge", "gauge"), ("study.mine", "study")),
+    ],
+)
+def test_editors_accept_the_files_of_conf_and_no_other_key(group, folder):
+    validator = Draft202012Validator(editor_schema(group))
+    for path in (CONF / folder).glob("*.yaml"):
+        values = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+        assert [error.message for error in validator.iter_errors(values)] == [], path
+    assert validator.is_valid({})
+    assert not any(map(validator.is_valid, [{"nonsense": 1}, {"defaults": 1}]))
+
+
+def test_the_command_prints_a_schema(capsys, refused):
+    assert main(["config", "--schema", "gait.solver"]) == 0
+    solver = json.loads(capsys.readouterr().out)["anyOf"][0]["properties"]
+    tolerance = solver["tolerance"]["anyOf"][0]
+    assert (tolerance["maximum"], tolerance["exclusiveMinimum"]) == (1, 0)
+    assert not Draft202012Validator(solver["tolerance"]).is_valid(2.0)
+    assert "expected a key with values below it" in refused("config", "--schema", "gait.nodes")
 
 
 def test_every_value_has_an_entry_with_a_meaning_a_bound_and_a_unit(table):
@@ -81,7 +121,7 @@ def test_is_a_page_with_a_table_per_group(config):
     text = page(config, parameter_types(config))
     header = "| key | type | unit | bound | default | meaning |"
     assert text.count(header) == len(dataclasses.fields(Config))
-    assert "| `finetuning.disturbance.push.interval` | number | s | (0, 100000] | `2.0` |" in text
+    assert "| `finetuning.selection.duration` | number | s | (0, 100000] | `10.0` |" in text
 
 
 def test_the_command_prints_keys_with_their_bounds(refused, capsys):

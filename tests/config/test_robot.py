@@ -5,6 +5,7 @@ import pytest
 from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled, tag
 from slider.config.robot import RobotConfig
+from slider.core.errors import UserError
 from tests.config.composed import composed
 
 
@@ -48,14 +49,20 @@ def test_named_paths_are_parameters_or_groups(robot):
     assert choose(found, ["paper"], ["links.base"]) == []
 
 
-@pytest.mark.parametrize("factor", [0.8, 1.2])
+IMPOSSIBLE = {0.8: set(), 1.2: {"geometry.leg_length"}}  # a leg longer than thigh and shank
+
+
+@pytest.mark.parametrize("factor", IMPOSSIBLE)
 def test_one_parameter_changes_and_nothing_else(robot, factor):
     before = {item.path: item.value for item in parameters(robot)}
-    for path in before:
+    for path in before.keys() - IMPOSSIBLE[factor]:
         changed = scaled(robot, path, factor)
         after = {item.path: item.value for item in parameters(changed)}
         assert after.pop(path) == pytest.approx([factor * v for v in before[path]], rel=1e-9)
         assert after == {name: value for name, value in before.items() if name != path}
         assert changed.provenance == robot.provenance
+    for path in IMPOSSIBLE[factor]:
+        with pytest.raises(UserError, match="expected thigh \\+ shank longer than the leg"):
+            scaled(robot, path, factor)
     digits = scaled(robot, "links.base.inertia", 1.2).links.base.inertia
     assert digits == (0.036, 0.0216, 0.0336)

@@ -26,7 +26,8 @@ from slider.composition.robot_file import malformed, store_robot, without_absent
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
 from slider.config.schema import Config
-from slider.config.validation import NAME, validate
+from slider.config.types import NAME
+from slider.config.validation import validate
 from slider.core.errors import UserError
 from slider.core.files import flatten
 
@@ -85,6 +86,8 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             config = hydra_compose("config", overrides=options)
             values = cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
             without_absent(values.get("robot"))
+            if isinstance(spaces := (values.get("tuning") or {}).get("spaces"), dict):
+                spaces |= {name: _dotted(space) for name, space in spaces.items()}
             return values
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None
@@ -94,6 +97,20 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(malformed(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+def _dotted(space: Any) -> Any:
+    """Ranges by the dotted names of settings; overrides nest them as the settings are nested."""
+    if not isinstance(space, dict):
+        return space
+    ranges: dict[str, Any] = {}
+    for name, item in space.items():
+        nested = isinstance(item, dict) and item and all(isinstance(x, dict) for x in item.values())
+        for below, bounds in (_dotted(item) if nested else {"": item}).items():
+            key = f"{name}.{below}".rstrip(".")
+            both = isinstance(bounds, dict) and isinstance(ranges.get(key), dict)
+            ranges[key] = ranges[key] | bounds if both else bounds
+    return ranges
 
 
 # Values of other types pass unchanged: the schema names the key and the expected type.

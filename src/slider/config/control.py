@@ -5,7 +5,7 @@ See ``docs/explanation/baseline.md`` and ``docs/explanation/hzd.md``.
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from slider.config import types as t
 
@@ -16,6 +16,7 @@ PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)
 """Controllers of the paper's Table 1; its rows are in ``slider/reports/paper_table1.csv``."""
 
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
+RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
 class StepConfig(t.Group, kw_only=True):
@@ -242,3 +243,22 @@ FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
     "hzd": HzdControlConfig,
 }
 AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]
+
+
+def _told_apart(controls: dict[str, AnyControl]) -> dict[str, AnyControl]:
+    """Controllers with names and labels of their own."""
+    labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
+    for name, control in controls.items():
+        label, expected = control.label, f"another name than {', '.join(RESERVED)}"
+        t.require(name not in RESERVED, name, expected, name)
+        expected = f"a name that does not end with {ONBOARD}"
+        t.require(not name.endswith(ONBOARD), name, expected, name)
+        one_line = label and label.isprintable() and label == label.strip()
+        t.require(one_line, f"{name}.label", "one line of text", repr(label))
+        owner = labels.setdefault(label, name)
+        expected = f"another label than that of {owner} (a file without one inherits it)"
+        t.require(owner == name, f"{name}.label", expected, label)
+    return controls
+
+
+Controls = Annotated[t.Named[AnyControl], AfterValidator(_told_apart)]

@@ -32,7 +32,7 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
         UserError: names the key, what was expected and what was found.
     """
     try:
-        return _adapter(cls).validate_json(json.dumps(values))
+        return _adapter(cls).validate_json(json.dumps(values), context=values)
     except ValidationError as error:
         raise UserError(_mistake(error, values, key)) from None
 
@@ -75,7 +75,10 @@ def _mistake(error: ValidationError, values: Any, key: str) -> str:
     if names := context.get("names"):
         value = {name: value[name] for name in names if name in value}
     found = json.dumps(value, ensure_ascii=False)
-    if chosen["type"] == "missing":
+    found = found if len(found) <= _LONGEST else f"{found[: _LONGEST - 1]}…"
+    if "name" in context:
+        found, place = context.get("found", found), [*place, *filter(None, [context["name"]])]
+    elif chosen["type"] == "missing":
         expected, found = "a value", "none"
         place += chosen["loc"][-1:]
     elif "discriminator" in context:
@@ -86,7 +89,6 @@ def _mistake(error: ValidationError, values: Any, key: str) -> str:
     name = name.lstrip(".") or "configuration"
     if chosen["type"] == "unexpected_keyword_argument":
         return f"unknown configuration key '{name}'"
-    found = found if len(found) <= _LONGEST else f"{found[: _LONGEST - 1]}…"
     return f"{name}: expected {expected}, found {found}"
 
 

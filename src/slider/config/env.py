@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from slider.config import types as t
+from slider.config.robot import BELOW_HIP, HIP_JOINTS
 
 _Impedance = Annotated[t.Share, Field(gt=0, lt=1)]
 
@@ -36,6 +37,11 @@ class PhysicsConfig(t.Group):
     """greatest number of iterations of its line search"""
     contact: SoleContact
 
+    def __post_init__(self) -> None:
+        settling, least = self.contact.time_constant, 2 * self.timestep
+        expected = f"two timesteps ({least} s) or more, as MuJoCo needs"
+        t.require(settling > least - 1e-9, "contact.time_constant", expected, settling)
+
 
 class ActionConfig(t.Group):
     """Desired joint position = origin + scale · clip(action)."""
@@ -46,6 +52,9 @@ class ActionConfig(t.Group):
     """bound of |action|"""
     scale: dict[str, Annotated[t.NonNegative[t.Number], t.Unit("rad | m")]]
     """per leg joint"""
+
+    def __post_init__(self) -> None:
+        t.complete("scale", self.scale, HIP_JOINTS + BELOW_HIP)
 
 
 class HeightScan(t.Group):
@@ -188,6 +197,10 @@ class PhaseConfig(t.Group):
     """fixed duration of a step; 0: that of the gait library at the reference velocity"""
     halt: Annotated[HaltConfig, t.ordered("below", "above")]
 
+    def __post_init__(self) -> None:
+        possible = self.enabled or not (self.mirror or self.halt.below > 0)
+        t.require(possible, "", "a clock for mirror and halt", "none")
+
 
 class PlantConfig(t.Group):
     """The part of an environment that does not depend on who controls the robot."""
@@ -198,6 +211,11 @@ class PlantConfig(t.Group):
     termination: TerminationConfig
     onboard: OnboardConfig | None = None
     """sensors and estimator; null in the section of a stage that does not use them"""
+
+    def __post_init__(self) -> None:
+        found = self.physics.timestep * self.physics.substeps
+        expected = f"timestep × substeps = control_period ({self.control_period} s)"
+        t.require(abs(found - self.control_period) < 1e-9, "physics", expected, found)
 
     @property
     def estimation(self) -> OnboardConfig | None:
@@ -215,6 +233,11 @@ class EnvConfig(PlantConfig, kw_only=True):
     start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))
     sensing: Sensing = "true_state"
     """what agents receive: the true state, or its estimate from sensors on board"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        possible, offset = self.phase.enabled or self.action.offset == "nominal", self.action.offset
+        t.require(possible, "action.offset", "nominal where there is no phase", offset)
 
     @property
     def estimation(self) -> OnboardConfig | None:
@@ -247,15 +270,19 @@ class SensingConfig(t.Group):
     base_height: t.NonNegative[t.Metres]
 
 
+ControlTime = Annotated[t.Positive[t.Seconds], t.Multiple("env.control_period")]
+PhysicsTime = Annotated[t.Seconds, t.Multiple("env.physics.timestep")]
+
+
 class PushConfig(t.Group):
     """A horizontal force on the base, at regular times."""
 
     impulse: t.Interval[t.NonNegative[t.NewtonSeconds]]
     """force times duration, drawn anew for each push; 0: no pushes"""
-    duration: t.Positive[t.Seconds]
-    """of a push, a multiple of env.control_period"""
-    interval: t.Positive[t.Seconds]
-    """time from the start and between pushes, a multiple of env.control_period"""
+    duration: ControlTime
+    """of a push"""
+    interval: ControlTime
+    """time from the start and between pushes"""
     direction: t.Radians | None
     """from the world's x axis, along which robots start, to y; null: drawn anew for each push"""
 
@@ -292,8 +319,8 @@ class DisturbanceConfig(t.Group):
     """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
 
     sensing: SensingConfig
-    delay: t.Interval[t.Seconds]
-    """from the controller's output to the drives, multiples of env.physics.timestep"""
+    delay: t.Interval[PhysicsTime]
+    """from the controller's output to the drives"""
     motor_gain: t.Interval[t.Positive[t.Factor]]
     """achieved over demanded torque, each drive its own"""
     mass: t.Interval[t.Positive[t.Factor]]

@@ -7,10 +7,18 @@ from dataclasses import field, fields
 from itertools import pairwise
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from slider.config import types as t
-from slider.config.env import DisturbanceConfig, Level, SensingConfig, StartNoise, TerrainKind
+from slider.config.env import (
+    ControlTime,
+    DisturbanceConfig,
+    Level,
+    PhysicsTime,
+    SensingConfig,
+    StartNoise,
+    TerrainKind,
+)
 from slider.core.quantities import speed_text
 
 
@@ -74,6 +82,20 @@ class ProfileConfig(t.Group):
     cases: Annotated[t.Some[CaseConfig], _NAMED_ONCE] = field(default_factory=list)
     """rollouts: from a time on, vx, vy and yaw_rate, 0 if not said"""
 
+    def __post_init__(self) -> None:
+        names = [case.name for case in self.cases]
+        possible = self.rows == "cases" or len(names) <= 1
+        t.require(possible, "cases", "one case where rows are its segments", names)
+
+
+def _without_curriculum(disturbance: DisturbanceConfig) -> DisturbanceConfig:
+    possible = not disturbance.terrain.curriculum
+    t.require(possible, "terrain.curriculum", "false outside trainings", "true")
+    return disturbance
+
+
+_Disturbance = Annotated[DisturbanceConfig, AfterValidator(_without_curriculum)]
+
 
 class EvaluationConfig(t.Group):
     """A protocol: every controller, velocity, trial and robot; see ``docs/explanation/method.md``.
@@ -98,13 +120,17 @@ class EvaluationConfig(t.Group):
     seed: t.Seed
     """of the first trial"""
     start: StartNoise
-    disturbance: DisturbanceConfig
+    disturbance: _Disturbance
     controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=list)
     """rows of the table"""
     speeds: t.Distinct[list[t.MetresPerSecond]] = field(default_factory=list)
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
     """velocities that change; null: constant ones"""
+
+    def __post_init__(self) -> None:
+        possible = not (self.speeds and self.profile)
+        t.require(possible, "speeds", "none with a profile", self.speeds)
 
     @property
     def cases(self) -> list[CaseConfig]:
@@ -136,6 +162,11 @@ class SeedsConfig(t.Group):
     selection: t.Seed
     """of development: the checks that pick a training's checkpoint"""
 
+    def __post_init__(self) -> None:
+        final, other = self.final, self.development
+        apart = final.last < other.first or other.last < final.first
+        t.require(apart, "final", f"no seed of seeds.development ({other})", final)
+
 
 LEVELS = 10
 """of an axis"""
@@ -149,8 +180,8 @@ class ScalesConfig(t.Group, kw_only=True):
     """of the feet on the ground"""
     payload: t.Rising[Scale[t.Positive[t.Kilograms]]]
     """on the base"""
-    delay: t.Rising[Scale[t.Positive[t.Seconds]]]
-    """in place of that of ``disturbance``; multiples of env.physics.timestep"""
+    delay: t.Rising[Scale[t.Positive[PhysicsTime]]]
+    """in place of that of ``disturbance``"""
     motor_strength: t.Falling[Scale[t.Positive[t.Factor]]]
     """achieved over demanded torque of every motor"""
     sensor_noise: t.Rising[Scale[t.Positive[t.Factor]]]
@@ -174,12 +205,12 @@ class GaugeProtocol(t.Group, kw_only=True):
     """per trial and speed, each with its own start; the starts of all speeds are the same"""
     seed: t.Seed
     """of the first trial"""
-    duration: t.Positive[t.Seconds]
+    duration: ControlTime
     """of a rollout"""
     distance: t.Share
     """of speed × duration, which a robot must cover to pass; 0: it must not go back"""
     start: StartNoise
-    disturbance: DisturbanceConfig
+    disturbance: _Disturbance
     """of every robot, but for what its axis changes"""
     sensing: SensingConfig
     """white noise of level × 1 of ``sensor_noise``, for controllers with the true state"""
@@ -190,7 +221,7 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
 
     controllers: t.Distinct[t.Some[t.Name]]
     """as in ``evaluation``, or NAME or NAME_onboard of ``policies``"""
-    policies: dict[str, t.Name] = field(default_factory=dict)
+    policies: t.Named[t.Name] = field(default_factory=dict)
     """folders of exported policies: policy.onnx, policy.json"""
     axes: t.Distinct[t.Some[t.Name]]
     """kinds of terrain, whose level is that of the terrain, and names of ``scales``"""
@@ -201,6 +232,13 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
     """of pushes, evenly about the robot, from forward towards left"""
     survival: Annotated[t.Share, Field(gt=0)]
     """share of robots that must pass a level"""
+
+    def __post_init__(self) -> None:
+        for axis in self.axes:
+            t.require(axis in AXES, "axes", f"one of {', '.join(AXES)}", axis)
+        least = self.disturbance.push.interval + self.disturbance.push.duration
+        possible = "push" not in self.axes or self.duration >= least
+        t.require(possible, "duration", f"at least {least:g} s, with a push", self.duration)
 
     def values(self, axis: str) -> list[float]:
         """Values of the tested levels, in SI units; those of terrain are its levels."""
@@ -224,6 +262,10 @@ class SecondEngineConfig(t.Group):
     """of ``protocol``, those that walk on these"""
     friction_speed: t.Positive[t.MetresPerSecond]
     """commanded forward velocity there"""
+
+    def __post_init__(self) -> None:
+        constant = self.protocol.profile is None
+        t.require(constant, "protocol.profile", "null: constant speeds", "a profile")
 
 
 class RangeConfig(t.Group):

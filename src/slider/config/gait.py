@@ -1,12 +1,14 @@
 """Typed settings of the gait optimisation, the gait library and the checks of its gaits."""
 
-import math
 from dataclasses import field
+from math import floor, prod
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from slider.config import types as t
+
+MAX_GRID = 5000  # velocities
 
 
 class Axis(t.Group):
@@ -24,7 +26,7 @@ def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
-    return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
+    return floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
 class GridBlock(t.Group):
@@ -48,6 +50,10 @@ class GridConfig(GridBlock):
 
     extra: list[GridBlock] = field(default_factory=list)
     """further blocks"""
+
+    def __post_init__(self) -> None:
+        size = sum(prod(map(axis_size, block.axes)) for block in (self, *self.extra))
+        t.require(size <= MAX_GRID, "", f"at most {MAX_GRID} velocities", size)
 
 
 class Touchdown(t.Group):

@@ -50,10 +50,10 @@ def _within(path: str, group: str) -> bool:
 
 
 def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
-    """The robot with one parameter multiplied by ``factor``; it may be an impossible one.
+    """The robot with one parameter multiplied by ``factor``.
 
     Raises:
-        UserError: the parameter takes no such value.
+        UserError: there is no such robot.
     """
     values = to_dict(robot)
     value = flatten(values)[path]

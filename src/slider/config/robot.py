@@ -3,13 +3,14 @@
 Values and their provenance live in ``conf/robot``.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from slider.config import types as t
+from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
@@ -183,6 +184,15 @@ class Geometry(t.Group):
     knee: t.Vector3[t.Metres] | None = None
     """place of a knee from the pitch axis, bent with all joints at zero; null: the leg slides"""
 
+    def __post_init__(self) -> None:
+        lateral, expected = self.hip[1], "a sum of y > 0 m: left hips are on the left"
+        t.require(lateral > 0.0, "axes", expected, f"{lateral:g}")
+        if self.knee is not None:
+            (x, _, z), length = self.knee, self.leg_length
+            bent = abs(x) >= LEAST_BEND * length and -length < z < 0.0
+            expected = f"z between hip and ankle, x of {LEAST_BEND:.0%} of leg_length or more: bent"
+            t.require(bent, "knee", expected, [*self.knee])
+
     @property
     def leg_joints(self) -> tuple[str, ...]:
         """Joints of a leg from the hip down; a knee has the place of the slide."""
@@ -301,6 +311,20 @@ class Mechanism(t.Group):
     capstan: Capstan | None
     """null: slide and ankle have a motor each"""
 
+    def __post_init__(self) -> None:
+        geometry, virtual = self.geometry, self.virtual_knee
+        for name in ("capstan", "virtual_knee"):
+            possible = geometry.knee is None or getattr(self, name) is None
+            t.require(possible, name, "null where the leg has a knee", "one")
+        t.complete("joints", self.joints, geometry.leg_joints)
+        t.complete("drives", self.drives, dict.fromkeys(self.leg_motors))
+        if virtual is not None:
+            expected = "null where hip_pitch is not the last of geometry.axes.order"
+            t.require(geometry.axes.order[-1] == "hip_pitch", "virtual_knee", expected, "one")
+            reach = virtual.thigh_length + virtual.shank_length
+            expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
+            t.require(reach > geometry.leg_length, "virtual_knee", expected, reach)
+
     @property
     def sliding_leg(self) -> VirtualKnee:
         """The virtual knee.
@@ -335,3 +359,12 @@ class RobotConfig(Mechanism):
     contact: Contact
     provenance: dict[str, Provenance | None] = field(default_factory=dict)
     """where values come from, by dotted path; the longest matching path counts; null: no tag"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        t.complete("gains", self.gains, dict.fromkeys(self.leg_motors))
+        values = flatten(asdict(self)).items()  # a part that is null may have its tag
+        paths = [path for path, value in values if isinstance(value, float | tuple | None)]
+        for group in self.provenance:
+            possible = any(f"{path}.".startswith(f"{group}.") for path in paths)
+            t.require(possible, "provenance", "keys below robot that hold numbers", group)

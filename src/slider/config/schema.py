@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from slider.config import types as t
-from slider.config.control import AnyControl
+from slider.config.control import Controls
 from slider.config.env import EnvConfig
 from slider.config.evaluation import (
     EvaluationConfig,
@@ -85,7 +85,7 @@ class StudyConfig(t.Group):
 
     run: t.Distinct[t.Some[t.Name]]
     """variants that are compared, in this order; the first one is the reference"""
-    variants: dict[str, VariantConfig]
+    variants: t.Named[VariantConfig]
     speeds: t.Distinct[t.Some[t.MetresPerSecond]]
     """forward velocities of gaits and evaluations"""
     metrics: t.Distinct[t.Some[t.Name]]
@@ -101,13 +101,13 @@ class StudyConfig(t.Group):
     evaluation: RolloutsConfig | None = None
     """evaluate the policies; null: none"""
 
-
-_Study = Annotated[
-    StudyConfig,
-    t.Rule("gaits=true or an evaluation", lambda study: study.gaits or study.evaluation),
-    t.Rule("starts: null without gaits", lambda study: study.gaits or not study.starts),
-    t.Rule("training: null without an evaluation", lambda s: s.evaluation or not s.training),
-]
+    def __post_init__(self) -> None:
+        t.require(self.gaits or self.evaluation, "", "gaits=true or an evaluation")
+        t.require(self.gaits or not self.starts, "", "starts: null without gaits")
+        possible = self.evaluation or not self.training
+        t.require(possible, "", "training: null without an evaluation")
+        for name in self.run:
+            t.require(name in self.variants, "run", f"one of {', '.join(self.variants)}", name)
 
 
 class TrackingConfig(t.Group):
@@ -148,16 +148,16 @@ class Config(t.Group):
     hzd: HzdConfig
     env: EnvConfig
     train: TrainingsConfig
-    control: dict[str, AnyControl]
+    control: Controls
     seeds: SeedsConfig
     evaluation: EvaluationConfig
-    protocols: dict[str, EvaluationConfig]
+    protocols: t.Named[EvaluationConfig]
     second_engine: SecondEngineConfig
     gauge: GaugeConfig
     tuning: TuningConfig
     verification: VerificationConfig
     report: ReportConfig
-    study: dict[str, _Study]
+    study: t.Named[StudyConfig]
     tracking: TrackingConfig
     store: StoreConfig
     resources: ResourcesConfig

@@ -175,6 +175,18 @@ class TrainConfig(t.Group):
     sensing: Sensing
     """what agents receive: the true state, or its estimate from sensors on board"""
 
+    def __post_init__(self) -> None:
+        simulator, batch = self.simulator, self.robots * self.steps_per_iteration
+        flat = self.disturbance.terrain.kinds == ["flat"] and self.sensing == "true_state"
+        expected = "mujoco with disturbance.terrain or sensing=onboard"
+        t.require(flat or simulator == "mujoco", "simulator", expected, simulator)
+        possible = simulator == "mujoco_warp" or self.device == "cpu"
+        t.require(possible, "device", f"cpu with simulator={simulator}", self.device)
+        expected = "at least 2 samples (robots × steps_per_iteration)"
+        t.require(batch > 1, "robots", expected, batch)
+        expected, found = f"1 to {batch} (robots × steps_per_iteration)", self.ppo.mini_batches
+        t.require(found <= batch, "ppo.mini_batches", expected, found)
+
 
 class TrainingsConfig(t.Group):
     """Standing pre-training, then walking."""
@@ -183,3 +195,11 @@ class TrainingsConfig(t.Group):
     """walking starts from the standing policy; false: from scratch"""
     standing: TrainConfig
     walking: TrainConfig
+
+    def __post_init__(self) -> None:
+        starts, key = self.standing.reset.reference_fraction, "standing.reset.reference_fraction"
+        t.require(starts == 0, key, "0 (pre-training has no guide to start on)", starts)
+        for name in ("hidden", "activation") if self.pretraining else ():
+            own, found = (getattr(x.network, name) for x in (self.walking, self.standing))
+            expected = f"{own}, as train.walking.network has it"
+            t.require(found == own, f"standing.network.{name}", expected, found)

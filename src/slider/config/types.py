@@ -4,12 +4,22 @@ The schema combines them, ``t.Positive[t.Metres]``, with a text under each field
 generous: they refuse what cannot be a length, time or count, such as 1e30.
 """
 
-from collections.abc import Callable
+import json
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import pairwise
 from typing import Annotated, Any, Generic, TypeVar, dataclass_transform
 
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+)
 from pydantic.dataclasses import dataclass as checked_dataclass
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -30,7 +40,8 @@ T = TypeVar("T")
 class Group:
     """A group of values: its subclasses are frozen dataclasses that check their values.
 
-    Unknown keys, other types, infinity and NaN are refused.
+    Unknown keys, other types, infinity and NaN are refused. A rule about several values of a group
+    is a :func:`require` in its ``__post_init__``.
     """
 
     def __init_subclass__(cls, kw_only: bool = False) -> None:
@@ -54,17 +65,54 @@ class Rule:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(self._checked, handler(source))
+        return core_schema.with_info_after_validator_function(self.checked, handler(source))
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         return handler(schema) | {"rule": self.text}
 
-    def _checked(self, value: Any) -> Any:
+    def checked(self, value: Any, info: ValidationInfo) -> Any:
+        """The value, if the rule holds; ``info.context`` is the whole configuration."""
         if not self.holds(value):
             raise PydanticCustomError("rule", "{text}", {"text": self.text, "names": self.names})
         return value
+
+
+class Multiple(Rule):
+    """A whole number of steps, whose length is at a dotted name of the whole configuration.
+
+    A section of a job is not the whole: its values have been checked.
+    """
+
+    def __init__(self, step: str) -> None:
+        super().__init__(f"a multiple of {step}", bool, tuple(step.split(".")))
+
+    def checked(self, value: Any, info: ValidationInfo) -> Any:
+        """The value, if it is a multiple."""
+        try:
+            step: Any = reduce(lambda node, name: node[name], self.names, info.context or {})
+            steps = value / step
+        except (KeyError, TypeError, ZeroDivisionError):
+            return value
+        require(abs(steps - round(steps)) < 1e-6, "", f"a multiple of {step:g}", value)
+        return value
+
+
+def require(condition: object, name: str, expected: str, found: object = None) -> None:
+    """Refuse a group unless a condition holds of the value at a dotted name below it.
+
+    ``found`` is said in the place of the whole group.
+    """
+    if not condition:
+        own = {} if found is None else {"found": str(found)}
+        raise PydanticCustomError("rule", "{expected}", {"expected": expected, "name": name, **own})
+
+
+def complete(name: str, names: Iterable[str], expected: Iterable[str]) -> None:
+    """Refuse a group whose value ``name`` has not exactly the expected names, in any order."""
+    names, expected = tuple(names), tuple(expected)
+    require(set(names) == set(expected), name, ", ".join(expected), ", ".join(names))
 
 
 def ordered(*names: str, strict: bool = False) -> Rule:
@@ -82,6 +130,18 @@ def _distinct(values: list[Any]) -> bool:
     return all(a != b if isinstance(a, str) else b - a > SAME for a, b in pairs)
 
 
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+"""Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
+
+
+def _named(items: dict[str, Any]) -> dict[str, Any]:
+    for name in items:
+        expected = "names of small letters, digits and _ after a letter"
+        require(NAME.fullmatch(name), "", expected, json.dumps(name))
+    return items
+
+
+Named = Annotated[dict[str, T], AfterValidator(_named)]
 Positive = Annotated[T, Field(gt=0)]
 NonNegative = Annotated[T, Field(ge=0)]
 Even = Annotated[T, Rule("an even number", lambda value: value % 2 == 0)]
@@ -124,5 +184,4 @@ class Interval(Group, Generic[T]):
     """greatest value"""
 
     def __post_init__(self) -> None:
-        if self.lower > self.upper:  # pyright: ignore[reportOperatorIssue]
-            raise ValueError("lower ≤ upper")
+        require(self.lower <= self.upper, "", "lower ≤ upper")  # pyright: ignore[reportOperatorIssue]

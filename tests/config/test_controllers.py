@@ -27,7 +27,8 @@ def add(conf: Path, name: str, text: str = HIGHER) -> Path:
 
 
 def test_the_labels_of_the_paper_are_those_of_its_rows():
-    assert {row["controller"]: row["label"] for row in paper_rows()} == PAPER_LABELS
+    rows = paper_rows()
+    assert dict(zip(rows["controller"], rows["label"], strict=True)) == PAPER_LABELS
 
 
 def test_every_file_but_the_base_is_a_controller():

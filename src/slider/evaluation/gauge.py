@@ -25,7 +25,7 @@ from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording
 from slider.env.terrain import magnitude
-from slider.evaluation.stage import Simulated, record, seeds_of, simulate
+from slider.evaluation.stage import Setup, record, seeds_of, set_up
 
 CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
@@ -141,23 +141,23 @@ def with_noisier_sensors(section: Section, factor: float) -> Section:
 
 def _simulate(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
-) -> Simulated:
+) -> Setup:
     """A controller that can fail."""
-    build = _simulate_exported if "policy" in inputs else simulate
-    simulated = build(section, inputs, count, disturbance, threads)
+    build = _set_up_exported if "policy" in inputs else set_up
+    setup = build(section, inputs, count, disturbance, threads)
     if "control" in section:
-        return simulated
-    return simulated._replace(controller=_GivesUp(simulated.controller))
+        return setup
+    return setup._replace(controller=_GivesUp(setup.controller))
 
 
-def _simulate_exported(
+def _set_up_exported(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
-) -> Simulated:
+) -> Setup:
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     physics = BatchedPhysics(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
-    return Simulated(load_exported(inputs["policy"][0], robot, env), physics, env)
+    return Setup(load_exported(inputs["policy"][0], robot, env), physics, env)
 
 
 class _GivesUp:

@@ -32,7 +32,7 @@ Engine = Callable[..., BatchedPhysics]
 """Makes the robots' physics, with the arguments of ``BatchedPhysics``."""
 
 
-class Simulated(NamedTuple):
+class Setup(NamedTuple):
     """A controller, its N robots in physics, and the control period and terminations."""
 
     controller: Controller
@@ -56,7 +56,7 @@ def run(
         config,
         [case],
         job.threads,
-        build=partial(simulate, engine=engine),
+        build=partial(set_up, engine=engine),
         ramp=profile.ramp if profile else 0.0,
         progress=lambda share: job.progress(f"{100 * share:.0f} %"),
     )
@@ -99,14 +99,14 @@ def seeds_of(config: EvaluationConfig | GaugeProtocol) -> range:
     return range(config.seed, config.seed + config.trials)
 
 
-def simulate(
+def set_up(
     section: Section,
     inputs: Inputs,
     count: int,
     disturbance: Disturbance,
     threads: int = 1,
     engine: Engine = BatchedPhysics,
-) -> Simulated:
+) -> Setup:
     """A controller of ``conf/control``, or the policy of the walking stage, on ``count`` robots.
 
     A controller of ``conf/control`` moves torque drives at its own rate; its nominal model is that
@@ -128,7 +128,7 @@ def simulate(
             folders = inputs["library"][0], inputs["foot_placement"][0]
             gaits = EnforcedGaits.load(*folders, section["hzd"])
         controller = build_controller(robot, config, plant.physics, count, gaits, threads)
-        return Simulated(controller, physics, plant)
+        return Setup(controller, physics, plant)
     import torch  # other controllers do not need the 2 s that this takes
 
     from slider.control.policy import PolicyController, agent_of, load_policy
@@ -140,7 +140,7 @@ def simulate(
     physics = engine(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
     )
-    return Simulated(PolicyController(policy.network, agent), physics, env)
+    return Setup(PolicyController(policy.network, agent), physics, env)
 
 
 def record(
@@ -150,14 +150,14 @@ def record(
     cases: Sequence[CaseConfig],
     threads: int,
     disturbance: DisturbanceConfig | None = None,
-    build: Callable[..., Simulated] = simulate,
+    build: Callable[..., Setup] = set_up,
     ramp: float = 0.0,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Recording:
     """Roll a controller out in all cases at once, with a ``disturbance`` or the protocol's.
 
     Robots are in blocks of a seed, and in these of a case: all cases start alike. ``build`` takes
-    the arguments of :func:`simulate`; a command changes within ``ramp`` seconds.
+    the arguments of :func:`set_up`; a command changes within ``ramp`` seconds.
     """
     robot, seeds = from_dict(RobotConfig, section["robot"]), seeds_of(protocol)
     starts = (
@@ -166,8 +166,8 @@ def record(
     )
     qpos, qvel = map(np.concatenate, zip(*(s for s in starts for _ in cases), strict=True))
     disturbed = Disturbance(disturbance or protocol.disturbance, tuple(seeds))
-    simulated = build(section, inputs, len(qpos), disturbed, threads)
-    place = ramp, protocol.duration, simulated.env.control_period
+    setup = build(section, inputs, len(qpos), disturbed, threads)
+    place = ramp, protocol.duration, setup.env.control_period
     series = np.stack([segments.velocities(case, *place) for case in cases], axis=1)
     velocities = np.tile(np.repeat(series, protocol.robots, axis=1), (1, len(seeds), 1))
-    return roll_out(*simulated, (qpos, qvel), velocities, protocol.duration, progress)
+    return roll_out(*setup, (qpos, qvel), velocities, protocol.duration, progress)

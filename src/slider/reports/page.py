@@ -26,7 +26,7 @@ from slider.reports.video import ABOUT, FILM
 from slider.training.results import Training
 
 PAGE = "index.html"
-READINGS = "readings.csv"
+STATEMENTS = "statements.csv"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
 _TRAININGS = {
     "standing": "Standing",
@@ -179,25 +179,25 @@ def learning(
             yield f"The policy of iteration {training.kept} was kept."
 
 
-def readings(
+def paper_statements(
     section: Section, inputs: Inputs, out: Path, job: Job, images: Files
 ) -> Iterator[str | Table]:
     """A table per part of the paper, a row per statement, with its value in this run."""
     yield "What the paper says, whether it is here as printed, and where that is configured."
     heads = ["the paper says", "status", "here", "where", "in this run"]
     frame = read_statements()
-    frame["now"] = [in_effect(section["configuration"], where) for where in frame["where"]]
+    frame["now"] = [current_value(section["configuration"], where) for where in frame["where"]]
     for part, statements in frame.groupby("part", sort=False):
         yield Table(heads, statements.drop(columns="part").to_numpy(), str(part))
 
 
 def read_statements() -> pd.DataFrame:
     """Each statement: part of the paper, what it says, status, what is here, and where."""
-    with (files("slider.reports") / READINGS).open(encoding="utf-8") as file:
+    with (files("slider.reports") / STATEMENTS).open(encoding="utf-8") as file:
         return pd.read_csv(file, keep_default_na=False, dtype=str)
 
 
-def in_effect(configuration: Mapping[str, Any], where: str) -> str:
+def current_value(configuration: Mapping[str, Any], where: str) -> str:
     """Value of the first place, if that is a dotted path to a single value."""
     node: Any = configuration
     for name in where.split(", ")[0].split("."):
@@ -223,7 +223,7 @@ WRITERS: dict[str, Callable[..., Iterator[str | Table]]] = {
     "overview": overview,
     "videos": videos,
     "learning": learning,
-    "readings": readings,
+    "statements": paper_statements,
     "provenance": origins,
 }
 """Sections that no report of the pipeline has: functions of the stage's arguments and images."""

@@ -48,7 +48,7 @@ SECTIONS = {
     "learning": PageSection("Learning curves", _TRAININGS),
     "ablation": _reported("Ablation", "ablation"),
     "gauge": _reported("Gauge", "gauge"),
-    "readings": PageSection("The paper, statement by statement"),
+    "statements": PageSection("The paper, statement by statement"),
     "provenance": PageSection(
         "Provenance",
         ("library.gaits", "library", *_TRAININGS, "table1.evaluations", "table1"),

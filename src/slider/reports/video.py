@@ -28,14 +28,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     from slider.env.disturbance import Disturbance
     from slider.env.rollout import Episode, mean_speed
     from slider.env.starts import at_rest
-    from slider.evaluation.stage import simulate
+    from slider.evaluation.stage import set_up
     from slider.reports import film
 
     robot = from_dict(RobotConfig, section["robot"])
     video = from_dict(VideoConfig, section["video"])
     noise = from_dict(StartNoise, section["start"])
     config = from_dict(DisturbanceConfig, section["disturbance"])
-    one = simulate(section, inputs, 1, Disturbance(config, (video.seed,)), job.threads)
+    one = set_up(section, inputs, 1, Disturbance(config, (video.seed,)), job.threads)
     episode = Episode(*one)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["speed"], 0.0, 0.0]]))]

@@ -9,7 +9,7 @@ from pipeline.targets import report_files
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.env import observations, rewards
-from slider.reports.page import in_effect, read_statements, readings
+from slider.reports.page import current_value, paper_statements, read_statements
 from tests.config.composed import CONF, composed
 from tests.reports.sources import tables
 
@@ -87,14 +87,16 @@ def test_the_papers_experiment_has_other_values():
     """Where a row says what ``experiment=paper`` does, its key is not the default's there."""
     ours, papers = to_dict(CONFIG), to_dict(PAPER)
     rows = [row for row in read() if "experiment=paper" in row["reading"]]
-    places = {row["where"] for row in rows if in_effect(ours, row["where"])}
+    places = {row["where"] for row in rows if current_value(ours, row["where"])}
     assert places
-    assert [place for place in places if in_effect(ours, place) == in_effect(papers, place)] == []
+    assert [
+        place for place in places if current_value(ours, place) == current_value(papers, place)
+    ] == []
 
 
 def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
     given = {"configuration": to_dict(PAPER)}
-    shown = tables(readings(given, {}, CONF, Job(CONF), {}))
+    shown = tables(paper_statements(given, {}, CONF, Job(CONF), {}))
     assert [*shown] == list(dict.fromkeys(row["part"] for row in read()))
     assert sum(len(table) - 1 for table in shown.values()) == len(read())
     values = {row[3]: row[-1] for table in shown.values() for row in table[1:]}
@@ -103,6 +105,6 @@ def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
 
 def test_shows_single_values_only():
     configuration = {"gait": {"cost": "paper", "grid": {"vx": 1}}}
-    assert in_effect(configuration, "gait.cost, reports/table1.csv") == "paper"
-    assert in_effect(configuration, "gait.grid") == ""
-    assert in_effect(configuration, "gait/grid") == ""
+    assert current_value(configuration, "gait.cost, reports/table1.csv") == "paper"
+    assert current_value(configuration, "gait.grid") == ""
+    assert current_value(configuration, "gait/grid") == ""

@@ -52,7 +52,7 @@ BODIES = {
 """,
     "evaluation": """
     policy = (inputs["walking"][0] / "policy.txt").read_text()
-    (out / "records.txt").write_text(f"{section['speed']} {policy}")
+    (out / "records.txt").write_text(f"{section['case']['segments'][0]['vx']} {policy}")
     return {}
 """,
     "table1": """

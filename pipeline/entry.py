@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from pipeline import private
@@ -189,10 +190,20 @@ class Pipeline:
 
 
 def end_as_by_ctrl_c() -> None:
-    """Let SIGTERM and a hang-up raise ``KeyboardInterrupt``: else Snakemake's lock stays behind."""
+    """Let SIGTERM and a hang-up raise ``KeyboardInterrupt``: else Snakemake's lock stays behind.
+
+    A second Ctrl-C counts for nothing: while Snakemake tidies up, it would end in a trace.
+    """
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_DFL:  # not under nohup
             signal.signal(number, signal.default_int_handler)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt_once)
+
+
+def _interrupt_once(number: int, frame: FrameType | None) -> None:
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 @one_line()

@@ -8,6 +8,7 @@ from tempfile import mkdtemp
 import numpy as np
 import pytest
 
+from slider.config.control import HzdControlConfig
 from slider.config.hzd import enforced_section
 from slider.control.hzd.gaits import EnforcedGaits, at_phase
 from slider.control.hzd.steps import hzd_controller
@@ -43,12 +44,18 @@ def controlled(count: int, enforced: EnforcedGaits | None = None):
     return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
 
 
+def integrating() -> HzdControlConfig:
+    """With integral action on the velocity, which the default leaves out."""
+    control = config().control["hzd"]
+    return replace(control, velocity=replace(control.velocity, integral=0.35))
+
+
 @pytest.mark.parametrize(("seconds", "kind"), [(5.0, "flat"), (9.0, "slope_up")])
 def test_walks_from_the_protocols_starts_at_the_commanded_velocity(seconds, kind):
     """Up a slope that it receives the integral action takes 8 s, on level ground 3 s."""
     text = f"terrain={{kinds: [{kind}], level: {{lower: 4.8, upper: 4.8}}}}"
     ground, segment = Disturbance(disturbance(text), (1,)), (seconds, (0.2, 0.0, 0.0))
-    recording, controller = walk("hzd", segment, noise=True, drawn=ground, gaits=gaits())
+    recording, controller = walk(integrating(), segment, noise=True, drawn=ground, gaits=gaits())
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)

@@ -16,7 +16,7 @@ from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.evaluation.gait_walks import first_samples
 from slider.hzd.feedback import regulate
 from slider.robot.mjcf import nominal_qpos
-from tests.control.hzd.test_controller import controlled, gaits
+from tests.control.hzd.test_controller import controlled, gaits, integrating
 from tests.env.synthetic import config, robot_config
 from tests.hzd.sample import CLOCK, HIP, VELOCITIES, library, settings, zero
 
@@ -115,7 +115,7 @@ def test_the_next_gait_is_not_far_from_the_last_step(last, planned, bound):
 @pytest.mark.parametrize(("reachable", "moves"), [(0.9, True), (0.1, False)])
 def test_the_integral_action_waits_while_the_gait_is_bounded(reachable, moves):
     change = replace(control().change, faster=reachable, slower=reachable)
-    steps, memory, _ = walking((0.4, 0.0, 0.0), control(change=change))
+    steps, memory, _ = walking((0.4, 0.0, 0.0), replace(integrating(), change=change))
     memory.steps[:], memory.walked[:] = 5, 20.0
     memory.starts[:] = [[-0.2, 0.0, 19.2], [0.0, 0.0, 19.6]]
     steps.begin(memory, ROBOTS, standing(), np.full(COUNT, RIGHT))

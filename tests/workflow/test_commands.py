@@ -26,12 +26,12 @@ def giver(session_folder, tmp_path_factory) -> Workspace:
 
 def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(giver, tmp_path):
     remote = giver.folder / "remote"
-    table = giver.manifests("gait")[0]["result"]["files"]
-    (remote / "files" / table["gait.txt"]["sha256"]).write_bytes(b"")
+    result = giver.manifests("gait")[0]["result"]
+    (remote / "files" / result["files"]["gait.txt"]["sha256"]).write_bytes(b"")
     taker = with_dummies(copy_repository(tmp_path / "taker"))
     run = taker.snakemake(TABLE, hydra=f"{QUIET} store.remote={remote}")
     assert run.returncode == 0, run.stderr
-    assert f"damaged in {remote}: expected the content of gait.txt, found another" in run.stderr
+    assert f"damaged in {remote}: expected object {result['object'][:12]}, found " in run.stderr
     waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
     start = f"slider: from {remote}: "
     (line,) = [line for line in run.stderr.splitlines() if line.startswith(start)]

@@ -173,7 +173,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert config.env.termination.terms["base_height"] == pytest.approx(0.2)
     assert (posture.clearance, posture.swing_height) == (pytest.approx(0.025), 0.1)
     assert posture.foot_separation_max == pytest.approx(0.225)
-    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.10275, 0.2))
+    assert (mpc.step.width, mpc.planner.width_max) == pytest.approx((0.10495, 0.2))
     root, times = 0.5**0.5, config.gait.step_time
     assert (times.lower, times.upper) == pytest.approx((0.25 * root, 0.32 * root))
     assert config.gait.touchdown.forward == pytest.approx(0.3 * root)
@@ -185,7 +185,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert terms["lateral_velocity_filtered"].params["width"] == pytest.approx(0.1 * root)
     assert terms["foot_slip"].params["width"] == pytest.approx(0.025)
     assert terms["forward_velocity_filtered"].params["width"] == pytest.approx(0.0015)
-    assert config.control["hzd"].change.faster == pytest.approx(0.6262 * root)
+    assert config.control["hzd"].change.faster == pytest.approx(0.5947 * root)
     assert config.hzd.feedback.reach == pytest.approx(0.125)
     found = refusal([file, "env.termination.terms.base_height=0.4"])
     assert found.endswith("less than 0.365 m, at which the robot stands, found 0.4")

@@ -89,7 +89,7 @@ class WholeMap:
 
 
 @shared.shared
-def verify(gait: int) -> WholeMap:
+def whole(gait: int) -> WholeMap:
     size, slopes = settings().linearisation.difference, []
     for plan, x in zip(one(gait), points()[:, [gait]], strict=True):
 

@@ -193,5 +193,6 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "verification": ("verification.md", partial(markdown_tables, count=1)),
     "ablation": ("ablation.md", partial(markdown_tables, count=6)),
     "seeds": ("seeds.md", partial(markdown_tables, count=6)),
+    "second_engine": ("second_engine.md", partial(markdown_tables, count=2)),
 }
 """Name of the block → report, and the Markdown made from it."""

@@ -58,7 +58,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     "": (),
     "nonsense": (
-        "*.name *.label tracking.experiment store.remote",  # names
+        "*.name *.label tracking.experiment",  # names
         "*.overrides[[]*",  # read when the variant is composed
         "report.sections[[]* study.*.metrics[[]*",  # known to whoever lays out the jobs
     ),

@@ -21,7 +21,7 @@ from fsspec.callbacks import Callback
 from fsspec.config import conf
 
 from slider.core import files
-from slider.core.errors import UserError, not_written
+from slider.core.errors import UserError, file_line, is_of_disks
 
 LAYOUT = 3
 MARKER = "slider-store.json"
@@ -151,9 +151,8 @@ class Remote:
             try:
                 fs.get(paths, targets, callback=_Limit(limit + len(paths)))
             except OSError as error:
-                here = error.filename in (None, *targets)
-                if here and (line := not_written(error, Path(targets[0]))):
-                    raise line from None
+                if is_of_disks(error) and error.filename in (None, *targets):  # here, not there
+                    raise UserError(file_line(error, Path(targets[0]))) from None
                 raise
             return True
 

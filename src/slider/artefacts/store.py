@@ -29,10 +29,9 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.plan import JobSpec
 from slider.artefacts.run_metadata import parse_metadata
 from slider.core import files
-from slider.core.errors import UserError, not_read
+from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
 _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
@@ -92,13 +91,6 @@ class Store:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
-    def places(self, jobs: Iterable[JobSpec]) -> list[Path]:
-        """Files that the pipeline writes in the store."""
-        folders = ("objects", "index", "locks", "plans", "current", "cache")
-        of_a_job = (self.manifest_path, self.log_path, self.progress_path)
-        found = [place(job.stage, job.recipe) for job in jobs for place in of_a_job]
-        return [*(self.root / name / "any" for name in folders), *found]
-
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
         """Empty folder on the file system of the objects, removed at the end."""
@@ -110,11 +102,7 @@ class Store:
             shutil.rmtree(folder, ignore_errors=True)
 
     def publish(self, folder: Path, summary: dict[str, Any]) -> Result:
-        """Bring a finished temporary folder to the disk, and in one step to its place.
-
-        Raises:
-            NotReadError: another object is there, which cannot be read.
-        """
+        """Bring a finished temporary folder to the disk, and in one step to its place."""
         table = files.file_table(folder)
         result = Result(files.digest_table(table), table, files.plain(summary))
         for name in table:
@@ -137,30 +125,19 @@ class Store:
         """Read an object; tell whether its content has its name.
 
         Raises:
-            NotReadError: it is there, and cannot be read.
+            OSError: it cannot be read, which says nothing about its content.
         """
-        folder = self.object_folder(digest)
-        try:
-            return files.digest_table(files.file_table(folder)) == digest
-        except (FileNotFoundError, NotADirectoryError, ValueError):
-            return False
-        except OSError as error:
-            raise not_read(error, folder) from None
+        with suppress(FileNotFoundError, NotADirectoryError, ValueError):
+            return files.digest_table(files.file_table(self.object_folder(digest))) == digest
+        return False
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed.
-
-        Raises:
-            UserError: the system does not let it be removed, such as another user's.
-        """
+        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
         folder = self.object_folder(digest)
-        try:
-            if folder.is_dir() and not folder.is_symlink():
-                shutil.rmtree(folder)
-            else:
-                folder.unlink(missing_ok=True)
-        except OSError as error:
-            raise UserError(f"expected to remove {folder}, found: {error.strerror}") from None
+        if folder.is_dir() and not folder.is_symlink():
+            shutil.rmtree(folder)
+        else:
+            folder.unlink(missing_ok=True)
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""

@@ -17,7 +17,7 @@ from typing import Any
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.private import keep_reasons, needed_jobs
+from pipeline.private import needed_jobs
 from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
@@ -58,7 +58,6 @@ class Console:
         self._recipes: dict[int, str] = {}
         self._labels: dict[str, str] = {}
         logger.addFilter(self._is_news)
-        keep_reasons()
 
     def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
         """Begin to show and to track the jobs that Snakemake is about to run."""

@@ -6,10 +6,8 @@ Nothing that arrives is larger than expected, and only plain files are read.
 
 import json
 import tempfile
-import threading
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,13 +49,9 @@ class DamageError(Exception):
 
 @dataclass(frozen=True)
 class Remote:
-    """Files below an address; every failure of the way there is one :class:`UserError`.
-
-    ``contact_s`` is the time in which it must answer the first question [s].
-    """
+    """Files below an address; every failure of the way there is one :class:`UserError`."""
 
     url: str
-    contact_s: float = 15.0
 
     def __post_init__(self) -> None:
         try:
@@ -78,27 +72,15 @@ class Remote:
         """Tell whether there is a store of ours; make an empty one if asked.
 
         Raises:
-            UserError: the remote does not answer in time, has another store, or is to be written
-                and can only be read.
+            UserError: the remote does not answer, has another store, or is to be written and can
+                only be read.
         """
         if create and self._scheme in _READ_ONLY:
             raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
-        answer: Future[bytes | None] = Future()
-
-        def ask() -> None:
-            try:
-                answer.set_result(self.read(MARKER, _MARKER_SIZE))
-            except DamageError:
-                answer.set_result(b"")
-            except UserError as error:
-                answer.set_exception(error)
-
-        # The folder of a server that is switched off hangs; a pool's thread would outlive the wait.
-        threading.Thread(target=ask, daemon=True).start()
         try:
-            marker = answer.result(self.contact_s)
-        except TimeoutError:
-            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
+            marker = self.read(MARKER, _MARKER_SIZE)
+        except DamageError:
+            marker = b""
         if marker is None:
             if create:
                 self._make_folders()

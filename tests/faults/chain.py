@@ -3,18 +3,18 @@
 import os
 import shutil
 import sys
+import tempfile
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from pipeline.entry import one_line
 from pipeline.targets import refresh_marker
 from slider.artefacts import runner
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_paths, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -74,12 +74,13 @@ class Chain:
     @property
     def actions(self) -> dict[str, Callable[[], int]]:
         """What the Snakefile does, in its order."""
-
-        def run(recipe: str) -> int:
-            (path,) = plan_paths(self.store.root / "plans")
-            return main(["run", "--plan", str(path), "--artefacts", str(self.store.root), recipe])
-
-        jobs = {job.label: partial(run, recipe) for recipe, job in self.plan.jobs.items()}
+        with tempfile.TemporaryDirectory() as folder:
+            path = self.store.root / "plans" / write_plan(self.plan, Path(folder)).name
+        run = ["run", "--plan", str(path), "--artefacts", str(self.store.root)]
+        jobs = {
+            job.label: lambda recipe=recipe: main([*run, recipe])
+            for recipe, job in self.plan.jobs.items()
+        }
         return {"plan": self.lay_out, **jobs, "publish": self.publish}
 
     def lay_out(self) -> int:

@@ -66,8 +66,8 @@ class Store:
         return self.root / stage / f"{recipe}.run.json"
 
     def metadata(self, stage: str, recipe: str) -> dict[str, Any]:
-        """Run metadata of a manifest; empty where they are missing or damaged."""
-        with suppress(UserError):
+        """Run metadata of a manifest; empty where they are missing, damaged or not to be read."""
+        with suppress(UserError, OSError):
             return parse_metadata(self.metadata_path(stage, recipe))
         return {}
 

@@ -25,11 +25,14 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
     require(value in options, key, f"one of {', '.join(map(str, options))}", value)
 
 
-_OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EPERM)
+_OF_DISKS = (
+    *(errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EPERM),
+    *(errno.EIO, errno.EMFILE, errno.ENFILE, errno.ESTALE),
+)
 
 
 def is_of_disks(error: BaseException) -> bool:
-    """Tell whether a disk is full or read-only, or a right lacks."""
+    """Tell whether a disk is full, read-only or at fault, or a right or descriptor lacks."""
     return isinstance(error, OSError) and error.errno in _OF_DISKS
 
 

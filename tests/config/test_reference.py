@@ -54,6 +54,7 @@ def table(config) -> list[Entry]:
         ("robot.joints.slide.damping", "number | N s/m | [0, 1e+09]"),
         ("control.hzd.whole_body.regularisation", "2 numbers | 1/(rad/s²)², 1/N² | (0, 1e+09]"),
         ("library.allow_holes", "true or false |  | "),
+        ("control.hzd.family", "one of hzd |  | "),
         ("tracking.experiment", "text |  | "),
     ],
 )

@@ -55,11 +55,6 @@ class Entry(NamedTuple):
     meaning: str
 
 
-def kind(hint: Any) -> Kind:
-    """What values of a type may be."""
-    return _kind(_schema(hint))
-
-
 def entries(config: Config, parameters: Mapping[str, Any]) -> list[Entry]:
     """Every key of a configuration, in its order; ``parameters`` has types of terms' parameters."""
     nodes = {path: _schema(hint) for path, hint in parameters.items()}

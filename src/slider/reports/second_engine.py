@@ -11,7 +11,6 @@ from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import NONE, speed_text
 from slider.core.tables import Table
-from slider.evaluation.drake import AUDIT
 from slider.reports import report
 from slider.reports.quantities import QUANTITIES
 
@@ -31,6 +30,8 @@ numbers, in SI units. A difference beyond what is allowed stops the evaluations.
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``second_engine.csv`` and ``second_engine.md``."""
+    from slider.evaluation.drake import AUDIT  # needs Drake, an extra
+
     ours = report.results(report.load(inputs["evaluations"], section["labels"]))
     engines = pd.DataFrame(section["engines"], columns=["engine", "friction"])
     frame = pd.concat([engines, report.measured(ours)], axis=1)

@@ -22,7 +22,7 @@ from slider.core import files
 from slider.core.errors import require
 from slider.reports.sections import OPTIONAL, SECTIONS, check_sections
 
-RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
+RULES = ("all", "draw_figures", "gait_library", "policy")
 """Rules that are neither a target nor a stage."""
 ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning, "second_engine": second_engine}
 """Beside the studies."""

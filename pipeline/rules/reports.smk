@@ -1,5 +1,4 @@
 # Reports that people read: copies out of the store.
-SOLVE_TIMES = "reports/figures/solve_times"
 CAPTIONS = Path(workflow.basedir) / "pipeline" / "captions"
 
 
@@ -34,18 +33,7 @@ rule policy:
         PIPELINE.reports["policy_export"],
 
 
-# Times are a measurement and no result: they are drawn from what is noted beside the gaits.
-rule solve_times:
-    input:
-        PIPELINE.manifest("library"),
-    output:
-        multiext(SOLVE_TIMES, ".svg", ".md"),
-    shell:
-        "{PIPELINE.slider} library times --out {SOLVE_TIMES}"
-
-
 rule figures:
     """Pictures of the gait library."""
     input:
         PIPELINE.reports["figures"],
-        rules.solve_times.output,

@@ -11,7 +11,6 @@ from slider.config.schema import Config
 from slider.control import EXPORT_FILES
 from slider.core.machine import kernels
 from slider.reports.figures import FILES as FIGURES
-from slider.reports.figures import STABILITY_FILES
 
 
 @dataclass(frozen=True)
@@ -59,17 +58,9 @@ STAGES = {
         "slider.verification.stage:run",
         ("verification.csv", "verification.json", "verification.md"),
     ),
-    "verification_maps": Stage(
-        "slider.reports.figures.checks:run_verification",
-        tuple(f"figures/verification_maps.{end}" for end in ("svg", "md")),
-    ),
     "stability_gaits": Stage("slider.hzd.stage:run_gaits"),
     "foot_placement": Stage("slider.hzd.stage:collect_placement"),
     "stability": Stage("slider.hzd.stability:run", ("stability.csv", "stability.md")),
-    "stability_figures": Stage(
-        "slider.reports.figures.checks:run_stability",
-        tuple(f"figures/{name}" for name in STABILITY_FILES),
-    ),
     "gait_walks": Stage("slider.evaluation.gait_walks:run", ("gait_walks.csv", "gait_walks.md")),
     "figures": Stage(
         "slider.reports.figures.stage:run", tuple(f"figures/{name}" for name in FIGURES)

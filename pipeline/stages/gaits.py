@@ -81,7 +81,7 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """Chunks of gaits, their collection, and maps of the result.
+    """Chunks of gaits, and their collection.
 
     Raises:
         UserError: there is a bound of something that is not verified.
@@ -99,21 +99,17 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     gaits = _chunks("verification_gaits", "verification", section, library, size)
     section = {"verification": only(settings, *_COLLECTED)}
     inputs = {"library": [library], "gaits": gaits}
-    verified = job("verification", "verification", section, inputs)
-    inputs = {"library": [library], "verification": [verified]}
-    maps = job("verification_maps", "maps of the verification", {}, inputs)
-    return {"verification": verified, "verification_maps": maps}
+    return {"verification": job("verification", "verification", section, inputs)}
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """What controllers take of the linearised gaits; table and figure for people."""
+    """What controllers take of the linearised gaits; a table for people."""
     alone = {"library": [library]}
     section = {"hzd": without(to_dict(config.hzd), *_BESIDE), "numerics": kernels()}
     gaits = _chunks("stability_gaits", "foot placement", section, library, config.hzd.chunk)
     placement = job("foot_placement", "foot placement", {}, alone | {"gaits": gaits})
     table = job("stability", "stability", {}, alone | {"gaits": gaits})
-    figures = job("stability_figures", "figures of stability", {}, alone | {"stability": [table]})
-    return {"foot_placement": placement, "stability": table, "stability_figures": figures}
+    return {"foot_placement": placement, "stability": table}
 
 
 def _chunks(

@@ -12,7 +12,6 @@ from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.cli import main
-from slider.core import files
 from tests.library.gaits import write_store
 
 GAITS = [(0.0, 0.0), (0.5, 0.0), (0.6, 0.1)]
@@ -97,14 +96,3 @@ def test_without_a_store_or_a_library_it_says_what_makes_one(job, library, refus
 )
 def test_mistakes_are_one_line(library, refused, arguments, message):
     assert message in refused("gait", "show", "--library", str(library), *arguments)
-
-
-def test_solve_times_come_from_beside_the_gaits(job, library, refused, capsys):
-    publish(job, library)
-    assert "expected solve times" in refused("library", "times")
-    for index, gait in enumerate(job.inputs["gaits"][:2]):
-        files.write_json(STORE.metadata_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
-    assert main(["library", "times"]) == 0
-    assert "solve_times.svg is ready" in capsys.readouterr().out
-    text = Path("reports/figures/solve_times.md").read_text()
-    assert "median 2.00 s, greatest 2.50 s, 4 s in all for 2 gaits" in text

@@ -17,7 +17,6 @@ HEADS = ["the paper says", "status", "here", "where"]
 ROOT = CONF.parent
 CONFIG = composed()
 REPORTS = {file for files in report_files(CONFIG).values() for file in files}
-REPORTS |= {f"reports/figures/solve_times.{suffix}" for suffix in ("svg", "md")}
 STATUSES = {"as printed", "read", "ours differs", "not done"}
 PAPER = composed("experiment=paper")
 

@@ -68,7 +68,7 @@ def write_report(
 ) -> tuple[dict[str, np.ndarray], Summary]:
     """Write the report of a solve and note its times; arrays of the gait, and the summary."""
     vx, vy, yaw_rate = (float(value) for value in section["velocity"])
-    job.metadata.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
+    job.metadata["solve_cpu"] = solve.cpu
     arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], yaw_rate)
     least = section["solve"]["decoupling_min"]
     missing, worst = worst_of(arrays[DECOUPLING][:, 0], least, np.inf)

@@ -67,13 +67,6 @@ class Smoothness:
         first, second = self.pairs[pair]
         return int(first), int(second), int(channel)
 
-    def per_gait(self, gaits: int) -> np.ndarray:
-        """Greatest jump (G,) of each gait to any of its neighbours; 0 without one."""
-        result = np.zeros(gaits)
-        for pair, jump in zip(self.pairs, self.jumps.max(axis=1, initial=0.0), strict=True):
-            result[pair] = np.maximum(result[pair], jump)
-        return result
-
 
 def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
     """Jumps between neighbours of gaits with velocities (G, 3) and channels (G, S, C).

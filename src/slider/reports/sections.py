@@ -44,7 +44,7 @@ SECTIONS = {
         ("figures",),
         tuple(f"figures/{name}.md" for name in ("gait_tiles", "velocity_maps", "limit_cycles")),
     ),
-    "verification": _reported("Verification", "verification", "verification_maps"),
+    "verification": _reported("Verification", "verification"),
     "learning": PageSection("Learning curves", _TRAININGS),
     "ablation": _reported("Ablation", "ablation"),
     "gauge": _reported("Gauge", "gauge"),

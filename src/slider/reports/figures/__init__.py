@@ -6,10 +6,6 @@ NAMES = (
     "limit_cycles",
     "gait_tiles",
     "velocity_maps",
-    "convergence",
-    "smoothness",
 )
 FORMATS = ("svg", "md")
-STABILITY = "spectral_radius"
 FILES = tuple(f"{name}.{suffix}" for name in NAMES for suffix in FORMATS)
-STABILITY_FILES = tuple(f"{STABILITY}.{suffix}" for suffix in FORMATS)

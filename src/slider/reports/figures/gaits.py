@@ -23,8 +23,8 @@ CYCLES_CAPTION = """\
 Position against velocity of the left leg's joints over one walk (two steps), one closed curve per
 forward velocity, straight ahead; the right leg's are the same, reflected. Solid: stance and swing;
 dotted: the jump of the velocity at a touchdown. The last panel is the roll about the foot line,
-the one coordinate that no drive holds. Similar velocities have similar cycles: `smoothness.md`
-says by how much they differ.
+the one coordinate that no drive holds. Similar velocities have similar cycles: `slider library
+show` says by how much they differ.
 """
 
 _CYCLES = 9

@@ -25,8 +25,6 @@ DRAWINGS: dict[str, tuple[str, Callable[[GaitLibrary], Figure], Caption]] = {
         maps.draw_velocity_maps,
         maps.MAPS_CAPTION,
     ),
-    "convergence": ("Convergence", maps.draw_convergence, maps.convergence_caption),
-    "smoothness": ("Smoothness of the library", maps.draw_smoothness, maps.smoothness_caption),
 }
 """Name of the file → title, figure and caption of a library."""
 

@@ -54,10 +54,7 @@ STAGES = {
     "segments": Stage("slider.reports.protocols:run"),
     "cases": Stage("slider.reports.protocols:run"),
     "verification_gaits": Stage("slider.verification.stage:run_gaits"),
-    "verification": Stage(
-        "slider.verification.stage:run",
-        ("verification.csv", "verification.json", "verification.md"),
-    ),
+    "verification": Stage("slider.verification.stage:run", ("verification.csv", "verification.md")),
     "stability_gaits": Stage("slider.hzd.stage:run_gaits"),
     "foot_placement": Stage("slider.hzd.stage:collect_placement"),
     "stability": Stage("slider.hzd.stability:run", ("stability.csv", "stability.md")),

@@ -3,14 +3,16 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from slider.core import tables
+from slider.core.quantities import NONE
 from slider.core.tables import Table
 from slider.evaluation.results import Evaluation, compare
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import OURS, PAPER_ROBOT
+from slider.reports.quantities import OURS, PAPER_ROBOT, quantity
 
 NAMED = ["controller", "label"]
 
@@ -31,6 +33,26 @@ def results(evaluations: Sequence[Evaluation], library: Sequence[Path] = ()) -> 
 def measured(frame: pd.DataFrame) -> pd.DataFrame:
     """Results without those of the library's gaits."""
     return frame[[name for name in frame if not name.startswith("reference_")]]
+
+
+def across(
+    title: str,
+    head: str,
+    column: str,
+    quantities: Sequence[str],
+    frame: pd.DataFrame,
+    keys: Sequence[str],
+    form: Callable[[float], str] = "{:g}".format,
+) -> Table:
+    """Quantities and the ``keys`` of rows down, the values of a column across."""
+    values, body = np.sort(frame[column].unique()), []
+    for name in quantities:
+        heading = quantity(name).heading
+        for key, mine in frame.groupby([*keys], sort=False):
+            cells = dict(zip(mine[column], map(quantity(name).text, mine[name]), strict=True))
+            body.append([heading, *key, *(cells.get(value, NONE) for value in values)])
+            heading = ""
+    return Table([head, *[""] * len(keys), *map(form, values)], body, title)
 
 
 def picture(name: str) -> str:

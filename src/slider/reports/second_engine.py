@@ -1,7 +1,7 @@
 """The stage ``second_engine``: the same controllers, starts and metrics in MuJoCo and in Drake."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +9,10 @@ import pandas as pd
 
 from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.core.quantities import NONE, speed_text
+from slider.core.quantities import speed_text
 from slider.core.tables import Table
 from slider.reports import report
-from slider.reports.quantities import QUANTITIES
+from slider.reports.report import across
 
 COMPARED = ("success_rate", "mse_steady", "tracking_rate", "slip", "penetration", "contact_rate")
 _SIZES = ("difference", "allowed")
@@ -39,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     audit = json.loads((inputs["audits"][0] / AUDIT).read_text(encoding="utf-8"))
     body = [[one["quantity"], one["part"], *(f"{one[k]:.1g}" for k in _SIZES)] for one in audit]
     audited = Table(["quantity", "part", *_SIZES], body, "Audit")
-    shown = [across(*parts) for parts in _parts(frame, section["friction"])]
+    shown = [across(*parts, ["label", "engine"]) for parts in _parts(frame, section["friction"])]
     parts = [_CAPTION.format(**section["protocol"]), *shown, _AUDIT, audited]
     report.write_document(out / "second_engine.md", "Second engine", section["robot"], parts)
     return {"rows": len(frame)}
@@ -53,17 +53,3 @@ def _parts(frame: pd.DataFrame, friction: float) -> Iterator[tuple]:
     others = frame[~usual]
     title = f"Frictions, {', '.join(map(speed_text, np.sort(others['speed'].unique())))} m/s"
     yield title, "friction", "friction", _FALLEN, frame[places.isin(places[~usual])]
-
-
-def across(
-    title: str, head: str, column: str, quantities: Sequence[str], frame: pd.DataFrame
-) -> Table:
-    """Quantities, controllers and engines down, the values of a column across."""
-    values, body = np.sort(frame[column].unique()), []
-    for name in quantities:
-        heading = QUANTITIES[name].heading
-        for (label, engine), mine in frame.groupby(["label", "engine"], sort=False):
-            cells = dict(zip(mine[column], map(QUANTITIES[name].text, mine[name]), strict=True))
-            body.append([heading, label, engine, *(cells.get(value, NONE) for value in values)])
-            heading = ""
-    return Table([head, "", "", *(f"{value:g}" for value in values)], body, title)

@@ -12,6 +12,7 @@ import pandas as pd
 from slider.config.convert import from_dict
 from slider.config.gait import CheckConfig, Posture
 from slider.config.robot import RobotConfig
+from slider.core import tables
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
@@ -21,7 +22,7 @@ from slider.verification.quantities import QUANTITIES
 from slider.verification.stored import StoredGait, gaits_of
 
 RECORDS = "gaits.json"
-CSV, JSON, MARKDOWN = (f"verification.{suffix}" for suffix in ("csv", "json", "md"))
+CSV, MARKDOWN = "verification.csv", "verification.md"
 _SHOWN = 5  # failures in the line that ends a job
 Check = Callable[[StoredGait], dict[str, float]]
 
@@ -86,7 +87,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Compare all values with their bounds and write table and summary.
+    """Compare all values with their bounds and write both tables.
 
     Raises:
         UserError: a bound does not hold, and ``verification.on_failure`` is ``error``.
@@ -94,25 +95,15 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     settings = section["verification"]
     bounds: summary.Bounds = settings["bounds"]
     table = _table(inputs["gaits"], GaitLibrary.load(inputs["library"][0] / STORE))
-    failures = summary.failures(table, bounds)
-    texts = [failure.text for failure in failures]
+    table, failures = summary.judge(table, bounds)
     if failures and settings["on_failure"] == "error":
         more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
         raise UserError(
-            f"{len(failures)} bounds do not hold: {'; '.join(texts[:_SHOWN])}{more} "
+            f"{len(failures)} bounds do not hold: {'; '.join(failures[:_SHOWN])}{more} "
             "(verification.on_failure=report writes the table all the same)"
         )
-    quantities = summary.worst(table, bounds)
-    content = {
-        "gaits": len(table),
-        "passed": not failures,
-        "failures": texts,
-        "quantities": quantities,
-    }
-    summary.write_csv(out / CSV, table, failures)
-    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
-    (out / JSON).write_text(text, encoding="utf-8")
-    summary.write_markdown(out / MARKDOWN, table, quantities, failures)
+    tables.write(table, out / CSV)
+    summary.write_markdown(out / MARKDOWN, table, bounds, failures)
     return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 

@@ -23,12 +23,11 @@ from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.drake import DrakePhysics, DrakeRobot
-from slider.evaluation import stage
+from slider.evaluation import AUDIT, stage
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
-AUDIT = "audit.json"
 STATES, SECONDS = 100, 1.0
 _BASE, _SEED = 6, 0
 _EXACT = 1e-8  # rounding: of numbers up to some hundreds

@@ -11,6 +11,7 @@ from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import speed_text
 from slider.core.tables import Table
+from slider.evaluation import AUDIT
 from slider.reports import report
 from slider.reports.report import across
 
@@ -30,8 +31,6 @@ numbers, in SI units. A difference beyond what is allowed stops the evaluations.
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``second_engine.csv`` and ``second_engine.md``."""
-    from slider.evaluation.drake import AUDIT  # needs Drake, an extra
-
     ours = report.results(report.load(inputs["evaluations"], section["labels"]))
     engines = pd.DataFrame(section["engines"], columns=["engine", "friction"])
     frame = pd.concat([engines, report.measured(ours)], axis=1)
@@ -39,7 +38,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     audit = json.loads((inputs["audits"][0] / AUDIT).read_text(encoding="utf-8"))
     body = [[one["quantity"], one["part"], *(f"{one[k]:.1g}" for k in _SIZES)] for one in audit]
     audited = Table(["quantity", "part", *_SIZES], body, "Audit")
-    shown = [across(*parts, ["label", "engine"]) for parts in _parts(frame, section["friction"])]
+    shown = [across(*part) for part in _parts(frame, section["friction"])]
     parts = [_CAPTION.format(**section["protocol"]), *shown, _AUDIT, audited]
     report.write_document(out / "second_engine.md", "Second engine", section["robot"], parts)
     return {"rows": len(frame)}
@@ -48,8 +47,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 def _parts(frame: pd.DataFrame, friction: float) -> Iterator[tuple]:
     """All commands with the robot's friction; frictions of the controllers that walk on others."""
     usual = frame["friction"] == friction
-    yield "Commands", "command [m/s]", "speed", COMPARED, frame[usual]
+    keys = ["label", "engine"]
+    yield "Commands", "command [m/s]", "speed", COMPARED, frame[usual], keys
     places = pd.MultiIndex.from_frame(frame[["controller", "speed"]])
     others = frame[~usual]
     title = f"Frictions, {', '.join(map(speed_text, np.sort(others['speed'].unique())))} m/s"
-    yield title, "friction", "friction", _FALLEN, frame[places.isin(places[~usual])]
+    yield title, "friction", "friction", _FALLEN, frame[places.isin(places[~usual])], keys

@@ -2,6 +2,7 @@
 
 import copy
 import os
+import pickle
 import shutil
 import signal
 import tempfile
@@ -10,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import DictConfig
 
 from pipeline.stages import entries
 from slider.artefacts.recipe import Code
@@ -43,6 +47,33 @@ def _compose_once(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
 
 
 composing.compose_untyped = _compose_once
+
+# Most of a composition is the choice of files, which few tests change: values go on top of it.
+_compose_files = composing.hydra_compose
+
+
+@shared.shared
+def _chosen(*choices: str) -> bytes:
+    return pickle.dumps(_compose_files("config", overrides=[*choices]))
+
+
+def _compose_values(name: str, overrides: list[str]) -> DictConfig:
+    loader = GlobalHydra.instance().config_loader()
+    own = str(CONF) in [source.path for source in loader.repository.get_sources()]
+    if not own or any(text.startswith("robot=") for text in overrides):
+        return _compose_files(name, overrides=overrides)
+    try:
+        parsed = OverridesParser.create().parse_overrides(overrides)
+        files = [each for each in parsed if loader.repository.group_exists(each.key_or_group)]
+        files = [each for each in files if not isinstance(each.value(), dict)]
+        config = pickle.loads(_chosen(*(each.input_line for each in files)))
+        loader._apply_overrides_to_config([each for each in parsed if each not in files], config)
+        return config
+    except Exception:  # for Hydra's own words
+        return _compose_files(name, overrides=overrides)
+
+
+composing.hydra_compose = _compose_values
 
 
 def pytest_configure() -> None:

@@ -71,12 +71,8 @@ BASE = "defaults: [slider, _self_]\nname: mine\n"
     [
         ("name: [\n", "line 2: expected YAML, found an error"),
         ("- a\n", "expected keys and values, found list"),
-        ("", "expected the robot's name as `name`, found none"),
         ("name: mine\n", "robot.geometry: expected a value, found none"),
         (BASE.replace("slider", "nope"), "expected [slider, _self_], found ['nope', '_self_']"),
-        (BASE + "links: {base: {mass: .nan}}", "robot.links.base.mass: expected a finite number"),
-        (BASE + "links: {bass: 3}", "unknown configuration key 'robot.links.bass'"),
-        (BASE + "provenance: hello", "robot.provenance: expected a tag per dotted key, found hel"),
         (BASE + "provenance: {links: cad}", "expected 'measured', 'paper', 'earlier' or 'assumed'"),
         (BASE + "links: {base: {com: [0, 0.01, 0]}}", "links.base: expected y, Ixy and Iyz of 0"),
     ],
@@ -85,9 +81,8 @@ def test_a_mistake_is_one_line(written, text, message):
     assert message in refusal([written(text)])
 
 
-@pytest.mark.parametrize("path", ["none.yaml", "./none", "."])
-def test_no_such_file(path, tmp_path):
-    assert "expected a YAML file, found: No such file" in refusal([f"robot={tmp_path}/{path}"])
+def test_no_such_file(tmp_path):
+    assert "expected a YAML file, found: No such file" in refusal([f"robot={tmp_path}/none.yaml"])
 
 
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():

@@ -54,28 +54,13 @@ def test_a_file_is_enough_for_table_1_and_changes_no_other_recipe(conf):
     assert higher[0].section["control"] == expected
 
 
-def test_an_experiment_may_change_a_controller(conf):
-    text = "# @package _global_\ncontrol:\n  mpc_wbc_tuned:\n    step: {apex: 0.09}\n"
-    (conf / "experiment" / "high.yaml").write_text(text)
-    controls = compose(["experiment=high"], conf).control
-    assert controls["mpc_wbc_tuned"].step.apex == 0.09
-    assert controls["mpc_wbc_observer"].step.apex == 0.07052
-
-
 @pytest.mark.parametrize(
     ("name", "label", "message"),
     [
         ("policy", "higher", "control.policy: expected another name than policy, zero, random, "),
-        ("mpc_wbc", "higher", "control.mpc_wbc: expected another name than "),
         ("higher", "MPC + WBC, tuned", "another label than that of higher "),
-        ("higher", "MPC + WBC (paper)", "another label than that of mpc_wbc "),
         ("higher", '"two\\nlines"', r"higher.label: expected one line of text, found 'two\nlines'"),
-        ("higher", '" "', "higher.label: expected one line of text"),
-        ("higher", "higher\nstap: 0.1", "control.higher.stap"),
-        *(
-            (name, "higher", f"/control/{name}.yaml: expected small ")
-            for name in ("all", "Mine", "a-b")
-        ),
+        ("Mine", "higher", "/control/Mine.yaml: expected small "),
     ],
 )
 def test_a_mistake_in_a_file_is_one_line(conf, name, label, message):

@@ -18,7 +18,7 @@ from tests.config.composed import composed
 
 Place = tuple[str | int, ...]
 
-NUMBERS = (-1, 0, math.nan, math.inf, -math.inf, 1e30, 10**30, "nonsense", True, [], None)
+NUMBERS = (-1, math.nan, math.inf, 1e30, "nonsense", True, [], None)
 TRUTHS = (3, "nonsense", [], None)
 TEXTS = ("", "nonsense", 3, True, [], None)
 LISTS = ([], {}, 3, "nonsense", None)
@@ -31,30 +31,6 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "*speeds[[]* speeds.table1[[]*",  # backward
         "*.com[[]* *.axes.* *.products[[]* *.lower *.joints.*.upper",  # of both signs
         "*.reward.terms.*.weight *.floor *.on_fall",  # penalties
-    ),
-    0: (
-        "*.vx* *.vy* *.yaw_rate* *speeds[[]* speeds.table1[[]*",  # to stand still
-        "*.com[[]* *.axes.* *.products[[]* *.joints.*.lower *.joints.*.upper",
-        "*.start.* *.sensing.* *.sensors.* *.delay.* *.centre_of_mass",  # nominal
-        "*.push.* *.payload.* *.terrain.*",  # as above
-        "*.damping *.armature *.drives.*.inertia",  # none of its own
-        "*.kp *.kd *.whole_body.*.weight[[]* *_weight *_coefficient",  # switched off
-        "*.reward.terms.*.weight *.reward.terms.*.params.* *.floor *.on_fall",  # as above
-        "*.action.scale.* *.termination.terms.*",  # a passive joint; no contact at all
-        "*.warm_up *.ramp *.segments[[]0].time *.tracking_*",  # at once, exact
-        "gauge.distance",  # survival alone
-        "*.iterations *.period *fraction *.lam *.actor_ema",  # never, none
-        "*.estimator.lifted *.estimator.force_filter",  # as above
-        "*.velocity_filter *.step_time *.halt.* *.acceleration",  # documented: off
-        "gait.touchdown.* gait.posture.* gait.contact.min_vertical",  # tight, or no limit
-        "*.planner.width_min *.velocity.integral* *.swing.* *.entry.*",  # as above
-        "*.step.time_change *.step.time_per_speed* *.step.early *.step.late *.observer.delay",
-        "*.hzd.weights.* *.hzd.ahead* *.hzd.lock *.hzd.hip_start.* *.hzd.descent",  # switched off
-        "verification.bounds.*",  # exact; no limit
-        "hzd.placement.lower hzd.feedback.reach",  # as above
-        "gait.decoupling_min",  # none is refused
-        "*.seed *.sampler_seed *.seeds[[]* *seeds.*.first seeds.selection",  # counted from
-        "*.quality",
     ),
     "": (),
     "nonsense": (
@@ -77,44 +53,31 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
 MISFITS = [
     ("gait.grid.vx.step=1.0e-9", "gait.grid: expected at most"),
     ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
-    ("train.walking.velocities.vx=[0.3]", "vx: expected keys and values, found [0.3]"),
     ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
     ("train.standing.network.activation=tanh", "network.activation: expected elu"),
     ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
-    ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
     ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
     ("control.mpc_wbc_tuned.substeps=2", "(4) for a control rate of at least 200 Hz, found"),
     ("control.mpc_wbc_observer.observer.delay=0.012", "delay: expected a multiple of 0.005"),
     ("control.hzd.family=x", "control.hzd.family: expected 'mpc' or 'hzd', found \"x\""),
     ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a value, found none"),
-    ("evaluation.disturbance.delay.upper=0.012", "upper: expected a multiple of 0.005"),
-    ("train.walking.disturbance.push.interval=0.13", "push.interval: expected a multiple of"),
     ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
     ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
-    ("gauge.duration=10.01", "gauge.duration: expected a multiple of 0.02, found 10.01"),
     ("evaluation.speeds=[0.2,0.2000000001]", "evaluation.speeds: expected each once, found"),
     ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
     ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
     ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
-    ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
     ("protocols.heldout.profile.rows=segments", "expected one case where rows are its"),
     ("robot.geometry.axes.hip_yaw=[0.0]", "axes.hip_yaw[1]: expected a value, found none"),
     ("gait.step_time={lower: .4, upper: .3}", "lower ≤ upper"),
-    ("gauge.axes=[mud]", "gauge.axes: expected one of slope_up, "),
-    ("gauge.controllers=[mine]", "gauge.controllers: expected one of policy, "),
     ("gauge.policies={hzd: here}", "gauge.policies: expected a name that no controller has"),
     ("gauge.seed=5", "gauge.seed: expected seeds within"),
-    (f"evaluation.seed={2**63 - 1}", "within 20260 to 21259 or 1000 to 1999, found 92233720368"),
-    ("tuning.seed=1999", "tuning.seed: expected seeds within"),  # and the finalists'
     ("gauge.scales.payload=[1,2,3,4,5,6,7,8,9,9.0]", "scales.payload: expected rising values, fou"),
-    ("gauge.scales.delay=[.01,.02,.03,.04,.05,.06,.07,.08,.09,.099]", "[9]: expected a multiple"),
     ("seeds.final.last=1500", "seeds.final: expected first ≤ last, found"),
     ("seeds.final={first: 1500, last: 2500}", "expected no seed of seeds.development (1000 "),
     ("evaluation.seed=1995", "within 20260 to 21259 or 1000 to 1999, found 1995 to"),
     ("study.ablation.evaluation.seed=20260", "evaluation.seed: expected seeds within 1000 to 1999"),
-    ("finetuning.selection.seed=3", "finetuning.selection.seed: expected seeds"),
     ("train.walking.seed=20262", "train.walking.seed: expected none of seeds.final (20260 "),
-    ("study.ablation.training.seeds=[1,21259]", "seeds[1]: expected none of seeds.final"),
     ("gait.posture.knee_max=0.01", 'found {"knee_min": 0.1, "knee_max": 0.01}'),
 ]
 PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
@@ -148,7 +111,7 @@ def nonsense(value: Any) -> tuple[Any, ...]:
         return TEXTS
     if isinstance(value, dict):
         return GROUPS
-    return LISTS if isinstance(value, (list, tuple)) else NUMBERS[4:-1]
+    return LISTS if isinstance(value, (list, tuple)) else NUMBERS[2:-1]
 
 
 def key(place: Place) -> str:
@@ -176,10 +139,12 @@ def complaint(config: Config, plain: dict[str, Any], place: Place, wrong: Any) -
     group = str(place[0])
     try:
         own = getattr(config, group)
-        values = replaced(plain[group], place[1:], wrong)
+        changed = values = replaced(plain[group], place[1:], wrong)
+        if isinstance(own, dict) and len(place) > 1 and place[-1] != "family":  # which chooses one
+            own, values, group = own[place[1]], values[place[1]], f"{group}.{place[1]}"
         if not isinstance(own, dict) and values is not None:
             from_dict(type(own), values, group)  # quicker than the whole
-        whole = from_dict(Config, plain | {group: values})
+        whole = from_dict(Config, plain | {str(place[0]): changed})
         validate(whole)
         checked(whole)
     except UserError as error:

@@ -8,14 +8,12 @@ import yaml
 from jsonschema import Draft202012Validator
 
 from slider.cli import main
-from slider.config.gait import GaitConfig, VerificationConfig
 from slider.config.reference import (
     OPTIONAL,
     Entry,
     editor_schema,
     entries,
     matching,
-    meaning,
     page,
 )
 from slider.config.schema import Config
@@ -40,33 +38,20 @@ def table(config) -> list[Entry]:
     ("path", "text"),
     [
         ("train.walking.ppo.gamma", "number | - | (0, 1]"),
-        ("train.walking.ppo.schedule", "one of adaptive, fixed |  | "),
         ("train.walking.reward.terms.heading.params.width", "number | rad² | (0, 10000]"),
         ("train.walking.velocities.yaw_rate.lower", "number | rad/s | [-10000, 10000]"),
         ("finetuning.disturbance.push.interval", PERIODS),
-        ("evaluation.disturbance.friction", "values of lower, upper |  | or null"),
         ("evaluation.speeds", "list of numbers | m/s | [-100, 100], each once"),
         ("gait.nodes", "integer |  | [5, 201], an odd number"),
-        ("gait.grid.extra", "list of values of vx, vy, yaw_rate |  | "),
         ("robot.links.base.inertia", "3 numbers | kg m² | (0, 10000]"),
         ("gauge.scales.friction", "list of one or more numbers | - | (0, 1000], falling values"),
-        ("robot.joints.ankle.lower", "number | rad | [-100, 100]"),
-        ("robot.joints.slide.damping", "number | N s/m | [0, 1e+09]"),
         ("control.hzd.whole_body.regularisation", "2 numbers | 1/(rad/s²)², 1/N² | (0, 1e+09]"),
-        ("library.allow_holes", "true or false |  | "),
         ("control.hzd.family", "one of hzd |  | "),
-        ("tracking.experiment", "text |  | "),
     ],
 )
 def test_type_unit_and_bound(path, text, table):
     (entry,) = (entry for entry in table if entry.key == path)
     assert " | ".join(entry[1:4]) == text
-
-
-def test_the_text_under_a_field_is_its_meaning_also_where_it_is_inherited():
-    assert meaning(GaitConfig, "nodes") == "collocation nodes per step"
-    assert meaning(VerificationConfig, "points").startswith("per step")
-    assert meaning(GaitConfig, "grid") == ""
 
 
 @pytest.mark.parametrize(

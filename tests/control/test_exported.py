@@ -35,11 +35,6 @@ def copy(exported, tmp_path):
             lambda layout: layout["joints"][1].update(upper=7.0),
             r"joints\.1\.upper: expected .*, as configured, found 7\.0$",
         ),
-        (
-            lambda layout: layout["motors"][0].update(kp=1.0),
-            r"motors\.0\.kp: expected .*, as configured, found 1\.0$",
-        ),
-        (lambda layout: layout["motors"].pop(), r"expected .*, as configured, found nothing$"),
         (lambda layout: layout.update(version=1), r"expected slider-policy-layout 11, found .* 1$"),
         (lambda layout: layout.pop("format"), "expected a layout of this project, found another"),
     ],

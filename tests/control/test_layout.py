@@ -12,7 +12,6 @@ from slider.control.layout import describe, metadata
 from slider.env.observations import TERMS
 from tests.control.policies import make_policy
 from tests.env.synthetic import JOINTS, MOTORS, config, motor_angles
-from tests.robot.lopsided import kneed
 
 SETTINGS = config("experiment=test").env.estimator
 
@@ -77,14 +76,6 @@ def test_metadata_has_the_keys_that_mjlab_writes():
     assert lists["observation_names"][0] == "quaternion"
     assert (found["control_period"], found["opset"]) == ("0.02", "13")
     assert found["quaternion_order"] == "w,x,y,z"
-
-
-def test_a_knee_is_in_rad():
-    layout = contract(replace(make_policy(), robot=kneed()))
-    assert {joint["unit"] for joint in layout["joints"]} == {"rad"}
-    terms = {row["name"]: row["units"] for row in layout["observation"]}
-    assert set(terms["joint_positions"]) == {"rad"}
-    assert set(terms["joint_velocities"]) == {"rad/s"}
 
 
 def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():

@@ -9,11 +9,9 @@ from slider.env.instruments import (
     CONTACT_FORCE,
     LIFT_TIME,
     TOUCH_TIME,
-    DriveLoads,
     in_contact,
     landings,
     observe,
-    over,
 )
 from slider.env.physics import BatchedPhysics
 from slider.robot import names
@@ -157,9 +155,3 @@ def test_loaded_ends_are_those_that_sank_in_or_the_lower_one():
     assert found.loaded[0, 0].tolist() == [[False, True], [False, False]]
     np.testing.assert_allclose(found.speeds, 0.5, rtol=1e-6)
     np.testing.assert_allclose(found.leg_distance, [[0.1]], rtol=1e-6)
-
-
-def test_loads_over_time_are_a_mean_power_and_peaks():
-    rows = [([10.0, 0.0], [0.2, 0.9], [0.5, 0.1]), ([20.0, 4.0], [0.4, 0.3], [0.3, 0.2])]
-    found = over([DriveLoads(*(np.array(values) for values in row)) for row in rows])
-    assert [values.tolist() for values in found] == [[15.0, 2.0], [0.4, 0.9], [0.5, 0.2]]

@@ -109,16 +109,6 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
         np.testing.assert_allclose(agent.expected_velocity[0], expected, atol=1e-12)
 
 
-def test_without_acceleration_and_filters_everything_passes_at_once():
-    agent = make_agent(1, "env.observation.velocity_filter=0", "env.reference.acceleration=0")
-    agent.reset(np.array([0]), make_state(1))
-    agent.set_velocity_command(np.array([0]), np.array([[0.7, 0.0, 0.0]]))
-    np.testing.assert_array_equal(agent.reference_velocity, [[0.7, 0.0]])
-    agent.advance(make_state(1, heading_velocity=[[0.4, 0.2]]))
-    np.testing.assert_allclose(agent.filtered_velocity, [[0.4, 0.2]])
-    np.testing.assert_array_equal(agent.expected_velocity, [[0.7, 0.0]])
-
-
 def test_resetting_one_robot_leaves_the_others():
     agent, one = make_agent(2), np.array([1])
     moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from slider.config.env import StartNoise
-from slider.env.starts import at_rest, multiply_quaternions, perturb, sample_about
+from slider.env.starts import at_rest, perturb, sample_about
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import JOINTS, config, make_guide, make_physics, robot_config
@@ -95,11 +95,3 @@ def test_perturb_turns_the_base_about_its_own_axes():
     rotation = rotation_from_quaternion(qpos[:, 3:7])
     np.testing.assert_allclose((-rotation[:, 2, :2]).std(axis=0), 0.03, rtol=0.08)
     np.testing.assert_allclose(np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]), 1.2, atol=0.01)
-
-
-def test_quaternion_products():
-    a, b = np.random.default_rng(0).standard_normal((2, 30, 4))
-    expected = np.zeros((30, 4))
-    for row, *pair in zip(expected, a, b, strict=True):
-        mujoco.mju_mulQuat(row, *pair)
-    np.testing.assert_allclose(multiply_quaternions(a, b), expected, atol=1e-12)

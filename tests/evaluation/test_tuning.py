@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.config.convert import setting, with_settings
 from slider.core.job import Job
 from slider.env.metrics import Tracking
 from slider.evaluation import tuning
@@ -102,16 +101,6 @@ def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
     one, two = (search(tmp_path / name, "out", trials=14) for name in "ab")
     pd.testing.assert_frame_equal(one, two)
     assert abs(one["step.apex"][-2:] - 0.0778).max() < 0.001
-
-
-def test_dotted_names_are_those_of_numbers():
-    control = {"step": {"apex": 0.07, "switching": "contact"}, "lock": True}
-    assert setting(control, "step.apex") == 0.07
-    for name in ("step", "step.switching", "lock", "step.apex.more", "none.there"):
-        assert setting(control, name) is None
-    changed = with_settings(control, {"step.apex": 0.1})
-    assert changed["step"] == {"apex": 0.1, "switching": "contact"}
-    assert control["step"]["apex"] == 0.07
 
 
 def test_the_table_has_present_and_best_values(tmp_path):

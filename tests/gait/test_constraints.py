@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from slider.config.types import Interval
-from slider.core.errors import UserError
 from slider.gait.constraints import Constraint, equality, of_node, scaled_bounds
 from slider.gait.formulation import Formulation, Node
 from slider.gait.problem import build
@@ -87,10 +86,3 @@ def test_a_registered_row_is_bounded_by_its_line_in_the_configuration():
     assert solve.residuals["base_height"] <= 1e-6
     base = knee_trajectory(low, solve.variables).base_position[:, 2]
     assert base.max() == pytest.approx(height, abs=1e-5)
-
-
-def test_a_bound_of_no_row_is_one_line():
-    gait = replace(config().gait, bounds={"height": Interval(0.0, 1.0)})
-    message = r"^gait\.bounds: expected one of base_height.*, found height$"
-    with pytest.raises(UserError, match=message):
-        build(Formulation(config().robot, gait))

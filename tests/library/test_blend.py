@@ -54,11 +54,6 @@ def test_outside_it_is_the_gait_of_the_border(gaits):
     np.testing.assert_array_equal(gait.samples(), blend(gaits, 1.0, 0.0).samples())
 
 
-def test_a_velocity_that_is_no_number_is_refused(gaits):
-    with pytest.raises(ValueError, match=r"^expected a finite velocity, found \(nan, 0\) m/s$"):
-        blend(gaits, np.nan, 0.0)
-
-
 def test_a_longer_step_counts_more_and_each_step_has_a_touchdown(gaits):
     """Speeds 1 and 2 for 0.3 s and 0.1 s: mean 1.25, variance 0.75 · 0.25² + 0.25 · 0.75²."""
     samples = gaits.arrays["samples"].copy()

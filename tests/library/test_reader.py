@@ -9,7 +9,7 @@ import zarr
 
 from slider.core.errors import UserError
 from slider.library.reader import CONSTRAINT, GaitLibrary
-from tests.library.gaits import value, write_store
+from tests.library.gaits import write_store
 
 GAITS, HOLES = [(0.0, 0.0), (0.5, 0.1)], [(0.5, 0.0)]
 
@@ -38,18 +38,6 @@ def test_what_is_no_library_is_refused_in_one_line(store, tmp_path: Path, change
         GaitLibrary.load(path)
     assert str(error.value).startswith(message.format(path))
     assert "\n" not in str(error.value)
-
-
-def test_arrays_are_read_when_asked_for_and_once(store, tmp_path: Path):
-    path = tmp_path / "library.zarr"
-    shutil.copytree(store, path)
-    library = GaitLibrary.load(path)
-    read = library.arrays["samples"]
-    shutil.rmtree(path)
-    assert library.arrays["samples"] is read
-    np.testing.assert_array_equal(read[1], value("samples", 0.5, 0.1))
-    with pytest.raises(KeyError):
-        library.arrays["base"]
 
 
 def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):

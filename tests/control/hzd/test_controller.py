@@ -10,9 +10,8 @@ import pytest
 
 from slider.config.control import HzdControlConfig
 from slider.config.hzd import enforced_section
-from slider.control.hzd.gaits import EnforcedGaits, at_phase
+from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
-from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import WALK
 from slider.core.errors import UserError
@@ -98,12 +97,6 @@ def test_a_gait_of_the_library_is_that_gait():
         )
 
 
-def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():
-    table = np.array([[0.0, 1.0, 4.0]])[:, :, None]
-    for phase, value in ((0.25, 0.5), (0.75, 2.5), (-1.0, 0.0), (1.4, 4.0)):
-        assert at_phase(table, np.array([phase]))[0, 0] == pytest.approx(value)
-
-
 def test_a_step_depends_on_no_other_robot():
     """To the bit: robots that have failed leave, and change no others."""
     velocities = np.random.default_rng(0).uniform((0.1, 0.0, 0.0), (0.7, 0.2, 0.0), (5, 3))
@@ -117,12 +110,6 @@ def test_a_step_depends_on_no_other_robot():
         for name in ("duration", "gains", "orbit"):
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[row])
         np.testing.assert_array_equal(alone.hip.values[0], together.hip.values[row])
-
-
-def test_a_controller_that_walks_by_gaits_needs_them():
-    whole = config()
-    with pytest.raises(UserError, match=r"^controller: expected gaits to walk by, found none$"):
-        build_controller(robot_config(), whole.control["hzd"], whole.env.physics, 1)
 
 
 def test_foot_placement_of_other_gaits_or_another_phase_is_refused():

@@ -75,13 +75,6 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
 
 
-def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, monkeypatch):
-    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
-        monkeypatch.setenv(name, "1")
-    make(folder, "table1")
-    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
-
-
 @pytest.mark.parametrize("target", ["test", "faults"])
 def test_who_tests_gets_the_tools_first(folder, target):
     assert make(folder, target)[:3] == ["-I", "-m", "pytest"]
@@ -136,11 +129,6 @@ def test_an_environment_of_somebody_else_stays(folder, maker, kind):
     assert done.returncode
     assert "expected no .venv or one that make made, found another: move it away" in done.stderr
     assert (folder / ".venv/bin/python").exists()
-
-
-def test_an_environment_that_was_begun_is_made_anew(folder, maker):
-    (folder / ".venv/place").write_text("")
-    assert make(folder, "table1", maker)[2] == "snakemake"
 
 
 def test_the_supported_pythons_are_the_same_everywhere():

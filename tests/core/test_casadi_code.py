@@ -71,11 +71,6 @@ def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
         assert expected.tobytes() == found.tobytes()
 
 
-def test_few_jobs_are_not_worth_it(tmp_path: Path):
-    assert not is_compiled(compiled(tmp_path, MIN_PENDING_JOBS - 1)(FACTS, small))
-    assert not libraries(tmp_path)
-
-
 @needs_compiler
 @pytest.mark.parametrize(
     "text",

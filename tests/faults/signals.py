@@ -32,7 +32,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 OTHER = "OTHER"
 BUILT = "built"  # the progress of a gait whose solver begins
 OVERRIDES = (
-    *("experiment=test", "gait.grid.vy.stop=0.1"),
+    *("experiment=test", "gait.grid.vx=[0.4]", "gait.grid.vy=[0.0,0.1]"),
     *("train.walking.iterations=12", "train.walking.selection.interval=3"),
     *("evaluation.duration=3", "evaluation.robots=20"),
     *("tuning.trials=4", "tuning.finalists=2", "tuning.finalist_robots=4"),

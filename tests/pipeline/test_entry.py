@@ -19,10 +19,8 @@ from tests.config.composed import CONF
     [
         ("", 1, 1, 1),
         ("", 4, 1, 2),
-        ("", 128, 1, 4),
         ("", None, 4, 4),  # a cluster
         ("resources.threads=3", 2, 3, 3),
-        ("resources.threads=1", 64, 1, 1),
     ],
 )
 def test_a_training_holds_one_core_and_uses_idle_ones(

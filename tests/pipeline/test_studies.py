@@ -128,16 +128,6 @@ def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
     assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}
 
 
-def test_more_starts_leave_the_first_ones_alone():
-    def starts(*overrides: str) -> list[str]:
-        found = keyed(study("gait_starts", *overrides), "gaits")
-        return [made.recipe for key, made in found.items() if key[0] == "library_starts"]
-
-    few, many = starts(), starts("study.gait_starts.starts.count=5")
-    assert (many[:2], len(set(many))) == (few, 5)
-    assert not {*starts("study.gait_starts.starts.seed=2")} & {*few}
-
-
 def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     own = "+study.mine=${study.gait_convergence}"
@@ -157,11 +147,8 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("ablation.run=[x]", "study.ablation.run: expected one of default, "),
         ("ablation.metrics=[cost]", "study.ablation.metrics: expected one of success_rate, "),
         ("ablation.variants.default.overrides=['a=1']", "study.ablation.variants.default: unknown"),
-        ("sensitivity.gaits=false", "study.sensitivity.metrics: expected one of success_rate, "),
-        ("sensitivity.scaling.change=1.0", "scaling.change: expected less than 1, found"),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         (
             "sensitivity.scaling={change: 0.2, provenance: [measured], parameters: []}",

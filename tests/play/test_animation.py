@@ -68,19 +68,3 @@ def test_shows_the_ground_below_the_robot(tmp_path, monkeypatch):
     across, along = (np.diff(relief.heights, axis=axis).mean() for axis in (0, 1))
     assert abs(across) == pytest.approx(0.02 * np.tan(np.radians(5.0)), rel=1e-6)
     assert along == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_fall_is_shown_from_the_start(tmp_path, monkeypatch, capsys):
-    times = []
-
-    def render(robot, frames, size, cameras, relief):
-        times.extend(frame.time for frame in frames)
-        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
-
-    monkeypatch.setattr(film, "render", render)
-    path = tmp_path / "fall.webp"
-    assert cli.main(["play", "random", "--film", str(path), "--conf", str(CONF)]) == 1
-    said = capsys.readouterr().out
-    assert said == f"{path}: agent random fell after {times[-1]:.2f} s\n"
-    assert times[0] < 1 / 25
-    assert path.is_file()

@@ -13,7 +13,7 @@ from slider.artefacts.recipe import closure
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (
     *("robot", "gait", "library", "hzd", "verification", "env", "control", "training"),
-    *("evaluation", "reports", "play", "composition", "commands"),
+    *("evaluation", "reports", "play", "composition", "gym", "commands"),
 )
 GROUND = {"core", "config", "artefacts", "tracking"}
 ALLOWED = {

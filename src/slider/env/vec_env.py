@@ -126,8 +126,7 @@ class WalkingEnv(VecEnv):
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
         self.reward = Reward(train.reward)
         self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
-        self._reset(torch.arange(self.num_envs, device=self.device))
-        self._observe()
+        self.restart()
 
     @property
     def terrain_levels(self) -> list[float]:
@@ -139,8 +138,13 @@ class WalkingEnv(VecEnv):
         """Start all robots anew on terrain of such levels (N,)."""
         if self.physics.terrain is not None:
             self.physics.terrain.levels[:] = levels
-            self._reset(torch.arange(self.num_envs, device=self.device))
-            self._observe()
+            self.restart()
+
+    def restart(self) -> None:
+        """Start all robots anew."""
+        self._reset(torch.arange(self.num_envs, device=self.device))
+        self.episode_length_buf[:] = 0
+        self._observe()
 
     def get_observations(self) -> TensorDict:
         """Current observations."""

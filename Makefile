@@ -4,7 +4,7 @@
 # make report                           one page about everything, with videos
 # make results                          fill the result tables of README.md and docs/ from reports/
 # make policy                            train, evaluate and ship docs/policy/
-# make animation                         the picture at the top of README.md, from the trained policy
+# make animation                         the film at the top of README.md, of docs/policy
 # make docs                             the documentation as a site
 # make install                           what tests, checks of gaits and editors need, too
 # make test                              lint, type check and tests
@@ -52,7 +52,7 @@ policy: $(STAMP)
 	$(RUN) slider.cli results docs/policy/README.md
 
 animation: $(STAMP)
-	$(RUN) slider.cli play --film $(VENV)/walk.webp --velocity 1.2 0 0
+	$(RUN) slider.cli play --policy docs/policy --set robot=slider --tiles --film $(VENV)/walk.webp
 	mv $(VENV)/walk.webp docs/images/walk.webp
 
 docs: $(STAMP) # site/; a broken link is an error

@@ -68,3 +68,31 @@ def test_shows_the_ground_below_the_robot(tmp_path, monkeypatch):
     across, along = (np.diff(relief.heights, axis=axis).mean() for axis in (0, 1))
     assert abs(across) == pytest.approx(0.02 * np.tan(np.radians(5.0)), rel=1e-6)
     assert along == pytest.approx(0.0, abs=1e-9)
+
+
+def test_tiles_show_ground_push_and_measured_speed(tmp_path, monkeypatch):
+    shown, facts = [], []
+
+    def render(robot, frames, size, cameras, relief):
+        shown.append((relief is not None, np.array([frame.qpos[1] for frame in frames])))
+        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
+
+    def annotate(picture, title, texts, alarm):
+        facts.append(texts)
+        return Image.fromarray(picture)
+
+    monkeypatch.setattr(film, "render", render)
+    monkeypatch.setattr(film, "annotate", annotate)
+    walk, pushed, stairs = (animation.TILES[index] for index in (1, 3, 5))
+    monkeypatch.setattr(animation, "TILES", (walk, pushed, stairs))
+    path = tmp_path / "tiles.webp"
+    options = ["--policy", str(CONF.parent / "docs" / "policy"), "--seconds", "2.0"]
+    options += ["--film", str(path), "--tiles", "--conf", str(CONF), "--set", "robot=slider"]
+    assert cli.main(["play", *options]) == 0
+    assert [uneven for uneven, _ in shown] == [False, False, True]
+    ways = [np.ptp(places) for _, places in shown]
+    assert ways[1] > ways[0] + 0.1, "the push moves the robot sideways"
+    measured = float(facts[len(facts) // 3 - 1][1].split()[1])
+    assert measured == pytest.approx(walk.speed, rel=0.05)
+    with Image.open(path) as image:
+        assert image.size == (3 * 320, 240)

@@ -58,6 +58,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--headless", action="store_true", help="without pictures: print the outcome"
     )
     parser.add_argument("--film", type=Path, help="write an animated picture of a walk, or a fall")
+    parser.add_argument(
+        "--tiles",
+        action="store_true",
+        help="with --film: three speeds, a push, a slope and stairs beside each other",
+    )
     parser.add_argument("--seconds", type=finite, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
     parser.add_argument(
@@ -86,6 +91,14 @@ def run(arguments: argparse.Namespace) -> int:
 
     # Write no MUJOCO_LOG.TXT into the working directory: a fall is shown, not logged.
     mujoco.set_mju_user_warning(lambda _: None)  # pyright: ignore[reportAttributeAccessIssue]
+    if arguments.tiles:
+        from slider.play import animation
+
+        def chosen(overrides: list[str]) -> "Scene":
+            asked = [*arguments.set, *overrides]
+            return choose(argparse.Namespace(**{**vars(arguments), "set": asked}))
+
+        return animation.run_tiles(chosen, arguments.seconds, arguments.film)
     scene = choose(arguments)
     control = loop.Control(arguments.velocity, scene.top)
     for name, value, (low, high) in zip(VELOCITY, arguments.velocity, control.limits, strict=True):
@@ -134,6 +147,8 @@ def check(arguments: argparse.Namespace) -> None:
         except OSError as error:
             expected = f"expected an address of this machine, found {arguments.host}"
             raise UserError(f"--host: {expected}: {error.strerror}") from None
+    if arguments.tiles:
+        require(arguments.film is not None, "--tiles", "--film", "none")
     check_port(arguments.port, arguments.host if arguments.web else None)
 
 

@@ -1,6 +1,8 @@
-"""A motion as an animation that repeats without a jump, or that ends in a fall."""
+"""A motion as an animation that repeats without a jump or ends in a fall, or several beside."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image
@@ -17,6 +19,31 @@ _SECONDS = 3.8
 _FRAME_RATE = 25  # [1/s]
 _SIZE = (480, 320)  # [pixel]
 _QUALITY = 60
+_TILE = (320, 240)  # [pixel]
+_COLUMNS = 3  # of tiles
+_PUSHED = 1.0  # after the film's beginning [s]
+
+
+class Tile(NamedTuple):
+    """What one tile of a film shows: a speed [m/s], the ground, a push (2,) [m/s]."""
+
+    title: str
+    speed: float
+    kind: str = "flat"
+    level: float = 0.0
+    push: tuple[float, float] | None = None
+    camera: str = "side"
+
+
+TILES = (
+    Tile("flat ground", 0.4),
+    Tile("flat ground", 1.2),
+    Tile("flat ground", 3.0),
+    Tile("push of 0.6 m/s to the left", 1.2, push=(0.0, 0.6), camera="front"),
+    Tile("slope of 7.5°", 0.8, "slope_up", 6.0),
+    Tile("stairs of 4 cm", 0.6, "stairs_up", 4.0),
+)
+_TERRAIN = "evaluation.disturbance.terrain"
 
 
 def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> int:
@@ -44,6 +71,68 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     ground = None if terrain is None else film.relief(terrain.ground, seen)
     rendered = list(film.render(scene.robot, seen, _SIZE, ("side",), ground))
     pictures = [Image.fromarray(picture) for picture in rendered[first - first // 2 :]]
+    _write(pictures, path)
+    print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
+    return int(fell)
+
+
+def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path: Path) -> int:
+    """Write ``TILES`` of the scenes that ``choose`` makes of overrides; 1 if a robot fell."""
+    require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
+    length, fallen, columns = seconds or _SECONDS, False, []
+    for tile in TILES:
+        level = f"{{lower: {tile.level}, upper: {tile.level}}}"
+        scene = choose([f"{_TERRAIN}.kinds=[{tile.kind}]", f"{_TERRAIN}.level={level}"])
+        frames = _walk(scene, tile, _WARM_UP + length)
+        every = round(1.0 / (_FRAME_RATE * scene.motion.period))
+        # The camera follows with a lag: it begins to move a second before.
+        shown = frames[round((_WARM_UP - 1.0) / scene.motion.period) :: every]
+        terrain = scene.motion.terrain
+        ground = None if terrain is None else film.relief(terrain.ground, shown)
+        rendered = film.render(scene.robot, shown, _TILE, (tile.camera,), ground)
+        columns.append(
+            [
+                film.annotate(picture, tile.title, facts, frame.failed)
+                for picture, facts, frame in zip(rendered, _facts(tile, shown), shown, strict=True)
+            ][_FRAME_RATE:]
+        )
+        fallen |= frames[-1].failed
+    pictures = []
+    for moment in zip(*columns, strict=False):
+        size = (len(TILES) // _COLUMNS, _COLUMNS)
+        tiles = np.array([np.asarray(picture) for picture in moment])
+        height, width, colours = tiles.shape[1:]
+        grid = tiles.reshape(*size, height, width, colours).swapaxes(1, 2)
+        pictures.append(Image.fromarray(grid.reshape(size[0] * height, -1, colours)))
+    _write(pictures, path)
+    print(f"{path}: a robot fell" if fallen else path)
+    return int(fallen)
+
+
+def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
+    """Frames of one robot from rest, which is pushed once where the tile says so."""
+    control, frames = loop.Control((tile.speed, 0.0, 0.0), scene.top), []
+    moment = round((_WARM_UP + _PUSHED) / scene.motion.period)
+
+    def show(frame: Frame) -> bool:
+        frames.append(frame)
+        if tile.push is not None and len(frames) == moment:
+            control.push(*tile.push)
+        return not frame.failed
+
+    loop.run(scene.motion, control, show, seconds, real_time=False)
+    return frames
+
+
+def _facts(tile: Tile, frames: list[Frame]) -> list[list[str]]:
+    """Commanded speed, and the mean of the last second, at each of the frames."""
+    speeds = np.cumsum([frame.velocity[0] for frame in frames])
+    speeds[_FRAME_RATE:] -= speeds[:-_FRAME_RATE].copy()
+    means = speeds / np.minimum(np.arange(len(frames)) + 1, _FRAME_RATE)
+    return [[f"command {tile.speed:.2f} m/s", f"measured {mean:z.2f} m/s"] for mean in means]
+
+
+def _write(pictures: Sequence[Image.Image], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     pictures[0].save(
         path,
@@ -54,8 +143,6 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
         quality=_QUALITY,
         method=4,
     )
-    print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
-    return int(fell)
 
 
 def repeats_at(frames: list[Frame]) -> int:

@@ -20,7 +20,7 @@ _EXTENT = 8.0
 _TUBE = (0.12, 0.12, 0.13, 1.0)
 # Direction of view: turn about the vertical axis from +x, slope (down: negative) [degree].
 CAMERAS = {
-    "side": (110.0, -10.0),  # from the right, slightly from behind: the floor shows depth
+    "side": (70.0, -10.0),  # from the right, slightly from behind: the floor shows depth
     "front": (180.0, -10.0),
 }
 

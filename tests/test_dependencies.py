@@ -56,7 +56,10 @@ def providers(package: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("folders", "extras"),
-    [(("src", "pipeline"), ("verify", "remote", "gpu", "drake")), (("tests",), ("test",))],
+    [
+        (("src", "pipeline"), ("verify", "remote", "gpu", "drake", "gymnasium")),
+        (("tests",), ("test",)),
+    ],
 )
 def test_what_is_imported_is_declared(folders, extras):
     declared = names(REQUIRED).union(*(names(EXTRAS[extra]) for extra in extras))

@@ -108,28 +108,6 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     assert experiment.tags["mlflow.experimentKind"] == "custom_model_development"
 
 
-def test_runs_of_a_killed_pipeline_end_with_the_next_and_those_of_a_living_one_go_on(tracked):
-    """Whose process numbers mean nothing here: it may run in a container."""
-    for job in GAITS:
-        compute(tracked, job)
-    living = start(tracked, "living")
-    living.began(LIBRARY.recipe)
-    MetricsFile(tracked.metrics_path("library", LIBRARY.recipe))({"reward": 1.0}, 0)
-    wait_for(lambda: states(tracked).get("library") == RUNNING)
-    client, experiment, _ = runs(tracked)
-    place = experiment.experiment_id
-    killed = client.create_run(place, tags={"plan": "q"}, run_name="killed").info.run_id
-    client.create_run(place, tags={"mlflow.parentRunId": killed}, run_name="walking")
-    client.create_run(place, run_name="somebody's own")
-    start(tracked, "next").finish(succeeded=False)
-    found = {"living": RUNNING, "library": RUNNING, "next": FAILED, "somebody's own": RUNNING}
-    assert states(tracked) == found | {"killed": FAILED, "walking": FAILED}
-    end(living, tracked, LIBRARY)
-    living.finish(succeeded=True)
-    assert states(tracked).items() >= {"living": FINISHED, "library": FINISHED}.items()
-    assert living.error is None
-
-
 def test_what_is_missing_is_said_and_the_rest_is_there(tracked):
     for job in GAITS:
         compute(tracked, job)

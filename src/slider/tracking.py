@@ -2,8 +2,7 @@
 
 What a job leaves behind is known at its end: section, manifest, run metadata. Of a running job only
 the metrics are read, from a file that it appends to. So no job imports MLflow (1.8 s) or opens its
-database, where several writers at once lose runs. A pipeline holds a lock under the name of its run
-in MLflow; the next one closes the runs whose lock is free, as their pipeline was killed.
+database, where several writers at once lose runs.
 """
 
 import json
@@ -13,11 +12,9 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, closing, suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from typing import Any
-
-from filelock import Timeout
 
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
@@ -104,17 +101,16 @@ class Tracking:
 
     def _work(self, *pipeline: Any) -> None:
         """Do what the pipeline asks for, and in between look at the metrics of running jobs."""
-        with ExitStack() as held:
-            if not self._try(lambda: self._start(held, *pipeline)):
-                return
-            while True:
-                with suppress(queue.Empty):
-                    action = self._actions.get(timeout=_PERIOD)
-                    if action is None:
-                        return
-                    self._try(action)
-                for run in [*self._runs.values()]:
-                    self._try(lambda run=run: self._log_new_metrics(run))
+        if not self._try(lambda: self._start(*pipeline)):
+            return
+        while True:
+            with suppress(queue.Empty):
+                action = self._actions.get(timeout=_PERIOD)
+                if action is None:
+                    return
+                self._try(action)
+            for run in [*self._runs.values()]:
+                self._try(lambda run=run: self._log_new_metrics(run))
 
     def _try(self, action: Callable[[], None]) -> bool:
         try:
@@ -124,16 +120,12 @@ class Tracking:
             return False
         return True
 
-    def _start(
-        self, held: ExitStack, name: str, params: Mapping, tags: Mapping, began: int
-    ) -> None:
-        """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
+    def _start(self, name: str, params: Mapping, tags: Mapping, began: int) -> None:
+        """Connect, and open the run of this pipeline."""
         with exclusive(self._store.locks, "tracking"):
             self._client = _connect(self._store)
             self._place = _experiment(self._client, self._experiment)
-            _close_killed(self._client, self._place, self._store)
             self._id = self._create(name, began, tags, params)
-            held.enter_context(exclusive(self._store.locks, self._id))
             # A part of MLflow's address that lists runs; without a type it shows another page.
             latest = f"/experiments/{self._place}/runs?workflowType=machine_learning"
             files.write_atomic(self._store.root / LATEST, latest)
@@ -221,17 +213,6 @@ def _experiment(client: Any, name: str) -> str:
     experiment = known.experiment_id if known else client.create_experiment(name, place)
     client.set_experiment_tag(experiment, *_KIND)
     return experiment
-
-
-def _close_killed(client: Any, experiment: str, store: Store) -> None:
-    """End the runs of pipelines that hold no lock any more as failed."""
-    for run in client.search_runs([experiment], "attributes.status = 'RUNNING'"):
-        tags, id = run.data.tags, run.info.run_id
-        owner = tags.get(_PARENT) or (id if "plan" in tags else None)
-        with suppress(Timeout):
-            if owner is not None:
-                with exclusive(store.locks, owner, timeout=0):
-                    client.set_terminated(id, FAILED)
 
 
 def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:

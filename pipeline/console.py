@@ -1,19 +1,23 @@
-"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become lines."""
+"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become progress lines.
+
+On a cluster the output of a job is in Slurm's log; here the end of the job's own log is shown.
+"""
 
 import logging
 import re
 import signal
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.private import needed_jobs
+from pipeline.private import keep_reasons, needed_jobs
 from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
@@ -28,6 +32,8 @@ _TEXTS = (
     *("No SLURM account given", "No account was given", "Unable to guess SLURM account"),
 )
 _AT_THE_END = ("Complete log", "Elapsed time")
+_TAIL = 5  # lines of the log of a job that could not speak for itself
+_SPOKE = re.compile(r"^(Traceback \(most recent call last\)|slider: )", re.MULTILINE)
 # What Snakemake says about a job of ours that failed: the whole command, and how it ended.
 _ENDED = re.compile(
     r"Command '.* run --plan \S+ (?P<recipe>[0-9a-f]{64})\b.*' "
@@ -36,6 +42,7 @@ _ENDED = re.compile(
 )
 _BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # of some shells
 _OUT_OF_MEMORY = "SIGKILL, as the system does where memory runs out"
+_REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
 
 @dataclass
@@ -51,6 +58,7 @@ class Console:
         self._recipes: dict[int, str] = {}
         self._labels: dict[str, str] = {}
         logger.addFilter(self._is_news)
+        keep_reasons()
 
     def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
         """Begin to show and to track the jobs that Snakemake is about to run."""
@@ -86,6 +94,7 @@ class Console:
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
         with self._guarded():
+            _explain(event, vars(record), remote=not self.workflow.local_exec)
             names = ("jobs", "job_id", "jobid")  # of jobs that started, ended, failed
             jobs = next((vars(record)[name] for name in names if name in vars(record)), [])
             jobs = jobs if isinstance(jobs, list) else [jobs]
@@ -115,3 +124,42 @@ class Console:
             kept = "results and checkpoints are kept, the same command again goes on from there"
             label = self._labels.get(recipe, "the job")
             print(f"slider: {label}: ended by {cause}; {kept}", file=sys.stderr)
+
+
+def _explain(event: LogEvent | None, record: dict[str, Any], remote: bool) -> None:
+    """Show logs and reasons of failed jobs, which Snakemake does not."""
+    if event == LogEvent.GROUP_ERROR:
+        _show_failure(record, record["job_error_info"], record["aux_logs"])
+    if event == LogEvent.JOB_ERROR and remote and not record["indent"]:  # else of a group
+        own, others = record["log"][:1], record["log"][1:]
+        _show_failure(record, [record | {"log": own}], others)
+    elif event == LogEvent.JOB_ERROR and not remote:
+        for log in map(Path, record["log"]):
+            _show_log(log, unless=_SPOKE)  # a killed job: Snakemake keeps quiet about it
+
+
+def _show_failure(
+    record: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
+) -> None:
+    """Show the cluster's reason and the ends of the logs of the jobs that failed.
+
+    Where none of them wrote a log, the cluster's own log is shown.
+    """
+    reason = _REASON_ENDS.split(record.get("rule_msg") or "")[0].strip()
+    if reason:
+        print(f"slider: {reason}", file=sys.stderr)
+    failed = [job for job in jobs if not all(Path(name).exists() for name in job["output"])]
+    logs = [log for job in failed for log in map(Path, job["log"]) if log.is_file()]
+    for log in logs or map(Path, cluster_logs):
+        _show_log(log)
+
+
+def _show_log(log: Path, unless: re.Pattern[str] | None = None) -> None:
+    """Show the place and the end of a log, unless something stands in it."""
+    text = ""
+    with suppress(OSError):  # there is none, or it cannot be read
+        text = log.read_text(encoding="utf-8", errors="replace")
+    if unless is None or not unless.search(text):
+        last = [line for line in text.splitlines() if line.strip()][-_TAIL:]
+        end = "".join(f"\n  {line}" for line in last)
+        print(f"slider: the job's log is {log}{end}", file=sys.stderr)

@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -18,14 +19,16 @@ from pipeline import private
 from pipeline.stages.page import with_renderer
 from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, read_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
+from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
 from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.transfer import pull
 from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core import environment
-from slider.core.errors import UserError, file_line
+from slider.core import environment, files
+from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import Tracking
@@ -43,7 +46,8 @@ def one_line() -> Iterator[None]:
     except UserError as error:
         _print(error)
     except OSError as error:
-        _print(file_line(error, Path(ARTEFACTS)))
+        place = f"{error.filename2 or error.filename}: {error.strerror}"
+        _print(not_written(error, Path(ARTEFACTS)) or place)
     else:
         return
     raise SystemExit(1) from None
@@ -222,6 +226,7 @@ def open_pipeline(
         overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
         path = Path(str(settings.get(PLAN)))
         return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
+    require_docstrings()
     try:
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
@@ -241,11 +246,29 @@ def open_pipeline(
 
 
 def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
-    """Write a plan and make what is on disk agree with it."""
-    path = write_plan(plan, store.root / "plans")
+    """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    folder = store.root / "plans"
+    reports = (map(Path, names) for names in report_files(config).values())
+    files.check_places([*store.places(plan.jobs.values()), *chain(*reports)])
+    try:
+        path = write_plan(plan, folder)
+    except OSError as error:
+        if not is_read_only(error):
+            raise
+        return plan_path(plan, folder)
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for line in drop_damaged(store, manifests, dry_run):
         _print(line)
+    if remote := config.store.remote:
+        try:
+            report = pull(store, plan.jobs, Remote(remote))
+        except UserError as error:
+            _print(f"{error}; what is missing is computed here")
+        else:
+            for line in report.damage:
+                _print(line)
+            if "taken" in report.counts:
+                _print(f"from {remote}: {report}")
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])

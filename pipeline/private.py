@@ -5,6 +5,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from snakemake.jobs import GroupJob
+
+_log_error = GroupJob.log_error
+
+
+def keep_reasons() -> None:
+    """Add the reason to the record of a failed group, as a failed job's has it."""
+
+    def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
+        _log_error(self, msg, aux_logs, rule_msg=msg, **kwargs)
+
+    GroupJob.log_error = log_error
+
 
 def needed_jobs(workflow: Any) -> dict[int, str]:
     """Number and recipe of each job of ours that is to run."""

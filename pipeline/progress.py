@@ -1,10 +1,13 @@
-"""Lines of a run for people: one per finished job, one for jobs that run long."""
+"""Lines of a run for people: one per finished job, one for jobs that run long, Table 1."""
 
+import math
+import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from typing import Any
 
 from slider.artefacts.forecast import expected, latest_rates
 from slider.artefacts.plan import JobSpec, Plan
@@ -12,6 +15,7 @@ from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
+_SHARE = re.compile(r"(\d+) ?(?:/|of) ?(\d+)|(\d+) %")  # in the message of a job
 _TABLE1 = "table1"
 
 
@@ -46,11 +50,16 @@ class Progress:
         threading.Thread(target=self._watch, daemon=True).start()
 
     def close(self, succeeded: bool = False) -> None:
-        """Stop writing; after a success say where Table 1 is, if it was computed."""
+        """Stop writing; after a success show Table 1, if it was computed, and where it is."""
         self._closed.set()
-        ended = self._ended.get(self._plan.targets.get(_TABLE1, ""))
-        if succeeded and ended is not None:
-            self._write(f"Table 1 took {duration(ended - self._start)}: reports/table1.md")
+        job = self._jobs.get(self._plan.targets.get(_TABLE1, ""))
+        if succeeded and job is not None and job.recipe in self._ended:
+            items = [(item.stage, item.recipe) for item in job.inputs["evaluations"]]
+            summaries = [self._store.read_manifest(*item).result.summary for item in items]
+            self._write(table(job.section["labels"], summaries))
+            took = duration(self._ended[job.recipe] - self._start)
+            text = f"Table 1 took {took}: reports/table1.md has intervals and the paper's rows"
+            self._write(text)
 
     def began(self, recipe: str) -> None:
         """A job started."""
@@ -94,11 +103,13 @@ class Progress:
         return max(sum(rests) / self._cores, *rests, 0.0)
 
     def _rests(self) -> list[float]:
-        """Wall time [s] that each job still takes."""
+        """Wall time [s] that each job still takes, from its share done where it tells that."""
         now, rests = time.time(), []
         for recipe in self._jobs.keys() - self._ended.keys():
             elapsed = now - self._running.get(recipe, now)
-            rests.append(max(self._seconds[recipe] - elapsed, 0.2 * elapsed))
+            done = share(self._message(recipe)) if elapsed else 0.0
+            expected = max(self._seconds[recipe] - elapsed, 0.2 * elapsed)
+            rests.append(elapsed * (1.0 - done) / done if done else expected)
         return rests
 
     def _watch(self) -> None:
@@ -122,6 +133,15 @@ class Progress:
         return ""
 
 
+def share(message: str) -> float:
+    """Which part of it a job reports as done, such as ``iteration 20/30`` or ``43 %``."""
+    match = _SHARE.search(message.partition(",")[0])
+    if not match:
+        return 0.0
+    done, total, percent = (float(text or 0) for text in match.groups())
+    return min(done / total if total else percent / 100, 0.99)
+
+
 def duration(seconds: float) -> str:
     """A time as people say it."""
     if seconds < 60:
@@ -129,3 +149,20 @@ def duration(seconds: float) -> str:
     if seconds < 90 * 60:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
+
+
+def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> str:
+    """Success and error of evaluations, two lines per controller, a column per speed."""
+    import pandas as pd
+
+    from slider.reports.quantities import QUANTITIES
+
+    cells = {(summary["controller"], summary["speed"]): summary for summary in summaries}
+    speeds = sorted({summary["speed"] for summary in summaries})
+    rows = []
+    for controller in dict.fromkeys(summary["controller"] for summary in summaries):
+        for name, title in (("success_rate", "success [%]"), ("mse_steady", "MSE [m²/s²]")):
+            values = [cells.get((controller, speed), {}).get(name, math.nan) for speed in speeds]
+            texts = [QUANTITIES[name].text(math.inf if v is None else v) for v in values]
+            rows.append([labels.get(controller, controller), title, *texts])
+    return pd.DataFrame(rows, columns=["speed [m/s]", "", *speeds]).to_string(index=False)

@@ -5,7 +5,6 @@ import os
 import shlex
 import subprocess
 import sys
-from unittest.mock import Mock
 
 import pytest
 
@@ -31,6 +30,7 @@ def test_every_command_has_help_of_its_own(name, capsys):
 @pytest.mark.parametrize(
     ("command", "variables", "line"),
     [
+        ("config --keys", {"PYTHONOPTIMIZE": "2"}, "PYTHONOPTIMIZE: expected at most 1, found 2"),
         ("play zero --film w.webp", {"MUJOCO_GL": "egll"}, "MUJOCO_GL=egll: expected a renderer, "),
         ("config", {}, "expected slider of this folder, "),
     ],
@@ -83,7 +83,16 @@ def test_no_kind_of_output_gives_a_trace(command):
     assert done.stderr == ""
 
 
-def test_a_missing_right_is_one_line(monkeypatch, refused):
-    error = PermissionError(errno.EACCES, "Permission denied", "artefacts/a")
-    monkeypatch.setattr("slider.commands.config.run", Mock(side_effect=error))
-    assert refused("config") == "slider: artefacts/a: Permission denied"
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("ffmpeg", "ffmpeg: Permission denied"),
+        ("artefacts/a", "expected to write artefacts/a, found: Permission denied"),
+    ],
+)
+def test_a_missing_right_is_one_line(monkeypatch, refused, name, line):
+    def fail(_):
+        raise PermissionError(errno.EACCES, "Permission denied", name)
+
+    monkeypatch.setattr("slider.commands.config.run", fail)
+    assert refused("config") == f"slider: {line}"

@@ -10,7 +10,7 @@ from mlflow.tracking._tracking_service import utils
 from rsl_rl.models import MLPModel
 from rsl_rl.modules import EmpiricalNormalization
 from snakemake.api import Workflow  # first: its modules import each other
-from snakemake.jobs import Reason
+from snakemake.jobs import GroupJob, Reason
 from snakemake.settings.types import ConfigSettings
 from snakemake.spawn_jobs import SpawnedJobArgsFactory
 from snakemake.workflow import DAG, JobScheduler
@@ -20,6 +20,11 @@ from slider.control.policy import MEAN, STD, VARIANCE
 from slider.tracking import ARTIFACT_ROOT
 
 SNAKEMAKE: dict[str, tuple[Any, str]] = {
+    "a group's failure takes the reason": (
+        GroupJob,
+        "def log_error(self, msg=None, aux_logs: Optional[list] = None, **kwargs)",
+    ),
+    "and adds what it is given to the record": (GroupJob, "**kwargs,\n"),
     "jobs to run": (DAG, "def needrun_jobs(self"),
     "why a job runs": (DAG, "def reason(self, job)"),
     "forced by the command line": (Reason, "self.forced = "),

@@ -1,5 +1,6 @@
 """Runs in MLflow: what a pipeline brings there, and what a killed one leaves."""
 
+import json
 import logging
 import shutil
 import subprocess
@@ -53,15 +54,15 @@ def end(tracking: Tracking, store: Store, job: JobSpec, computed: bool = True, *
     tracking.ended(job.recipe)
 
 
-def runs(store: Store):
+def runs(store: Store, name: str = "slider"):
     client = MlflowClient(f"sqlite:///{store.root / 'mlflow.db'}")
-    experiment = client.get_experiment_by_name("slider")
+    experiment = client.get_experiment_by_name(name)
     found = client.search_runs([experiment.experiment_id]) if experiment else []
     return client, experiment, {run.info.run_name: run for run in found}
 
 
-def states(store: Store) -> dict[str, str]:
-    return {name: run.info.status for name, run in runs(store)[-1].items()}
+def states(store: Store, name: str = "slider") -> dict[str, str]:
+    return {name: run.info.status for name, run in runs(store, name)[-1].items()}
 
 
 def wait_for(condition) -> None:
@@ -74,7 +75,7 @@ def wait_for(condition) -> None:
 def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     tracking = start(tracked)
     for job in GAITS:
-        run(tracking, tracked, job, computed=job == GAITS[0])
+        run(tracking, tracked, job, computed=job != GAITS[-1])
     tracking.began(LIBRARY.recipe)
     log = MetricsFile(tracked.metrics_path("library", LIBRARY.recipe))
     for step in range(1500):
@@ -87,9 +88,8 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     tracking.finish(succeeded=True)
     assert tracking.error is None
 
-    client, experiment, found = runs(tracked)
-    ends = {"pipeline": FINISHED, "library": FINISHED, "table": FAILED}
-    assert states(tracked) == ends | {GAITS[0].label: FINISHED}  # the others were reused
+    client, _, found = runs(tracked)
+    assert states(tracked) == {"pipeline": FINISHED, "library": FINISHED, "table": FAILED}
     main, library = found["pipeline"], found["library"]
     assert main.data.params == {"gait.nodes": "21"}
     assert main.data.tags.items() >= {"plan": "p", "git.dirty": "false"}.items()
@@ -103,9 +103,46 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     numbers = {"n": 1.5, "run/wall_s": 2.5, "run/solve_cpu": 0.5}
     assert library.data.metrics.items() >= numbers.items()
     names = {item.path for item in client.list_artifacts(library.info.run_id)}
-    assert names == {"table.csv"}
-    assert found[GAITS[0].label].data.params == {"number": "0"}
+    assert names == {"gaits.json", "table.csv"}
+
+    _, experiment, gaits = runs(tracked, "slider-gaits")
+    assert set(gaits) == {job.label for job in GAITS[:-1]}  # the last one was reused
+    gait = gaits[GAITS[0].label]
+    assert gait.data.params == {"number": "0"}
+    assert gait.data.tags["pipeline"] == main.info.run_id
+    assert "mlflow.parentRunId" not in gait.data.tags
+    assert client.list_artifacts(gait.info.run_id) == []
     assert experiment.tags["mlflow.experimentKind"] == "custom_model_development"
+    note = library.data.tags["mlflow.note.content"]
+    assert f"(#/experiments/{experiment.experiment_id}/runs" in note
+    assert note.endswith(f"* `{path}/more.bin`\n* `{path}/table.csv`")
+    table = client.download_artifacts(library.info.run_id, "gaits.json")
+    assert json.loads(Path(table).read_text())["columns"][:2] == ["n", "status"]
+
+
+def test_runs_of_a_killed_pipeline_end_with_the_next_and_those_of_a_living_one_go_on(tracked):
+    """Whose process numbers mean nothing here: it may run in a container."""
+    for job in GAITS:
+        compute(tracked, job)
+    living = start(tracked, "living")
+    living.began(LIBRARY.recipe)
+    MetricsFile(tracked.metrics_path("library", LIBRARY.recipe))({"reward": 1.0}, 0)
+    wait_for(lambda: states(tracked).get("library") == RUNNING)
+    client, experiment, _ = runs(tracked)
+    gaits = runs(tracked, "slider-gaits")[1].experiment_id
+    place = experiment.experiment_id
+    killed = client.create_run(place, tags={"plan": "q"}, run_name="killed").info.run_id
+    client.create_run(place, tags={"mlflow.parentRunId": killed}, run_name="walking")
+    client.create_run(gaits, tags={"pipeline": killed}, run_name="gait")
+    client.create_run(place, run_name="somebody's own")
+    start(tracked, "next").finish(succeeded=False)
+    found = {"living": RUNNING, "library": RUNNING, "next": FAILED, "somebody's own": RUNNING}
+    assert states(tracked) == found | {"killed": FAILED, "walking": FAILED}
+    assert states(tracked, "slider-gaits") == {"gait": FAILED}
+    end(living, tracked, LIBRARY)
+    living.finish(succeeded=True)
+    assert states(tracked).items() >= {"living": FINISHED, "library": FINISHED}.items()
+    assert living.error is None
 
 
 def test_what_is_missing_is_said_and_the_rest_is_there(tracked):

@@ -66,7 +66,7 @@ def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
     anchor = round(round(vx / ANCHORS) * ANCHORS, 10) + 0.0, 0.0, 0.0
     inputs = {} if velocity == anchor else {"anchor": [gait(shared, anchor)]}
     label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
-    return job("gait", label, shared | {"velocity": [*velocity]}, inputs, tracked=False)
+    return job("gait", label, shared | {"velocity": [*velocity]}, inputs)
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:

@@ -51,7 +51,7 @@ def needs(config: Config) -> list[str]:
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
     """The configuration of what the page shows."""
     shown = without(
-        to_dict(config), "resources", "tracking", "study", "protocols", "gauge", "tuning"
+        to_dict(config), "resources", "tracking", "store", "study", "protocols", "gauge", "tuning"
     )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}

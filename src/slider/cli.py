@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
-from slider.core.errors import UserError, file_line
+from slider.core.errors import UserError, not_written, require_docstrings
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
@@ -55,6 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     _open_streams()
     name, *arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
+        require_docstrings()
         if argv is None and name in COMMANDS:
             _require_own_folder()
         if name not in COMMANDS | INTERNAL:
@@ -77,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         if error.errno is None:
             raise
-        line = file_line(error, Path(ARTEFACTS))
+        line = str(not_written(error, Path(ARTEFACTS)) or f"{error.filename}: {error.strerror}")
     print(f"slider: {line}", file=sys.stderr)
     return 1
 

@@ -2,7 +2,8 @@
 
 What a job leaves behind is known at its end: section, manifest, run metadata. Of a running job only
 the metrics are read, from a file that it appends to. So no job imports MLflow (1.8 s) or opens its
-database, where several writers at once lose runs.
+database, where several writers at once lose runs. A pipeline holds a lock under the name of its run
+in MLflow; the next one closes the runs whose lock is free, as their pipeline was killed.
 """
 
 import json
@@ -12,24 +13,27 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Mapping
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from typing import Any
+
+from filelock import Timeout
 
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
-from slider.core.files import flatten
+from slider.core.files import flatten, plain
 
 DATABASE = "mlflow.db"  # below artefacts/
 LATEST = "current/runs"  # part of the address of the latest pipeline's runs
 FINISHED, FAILED = "FINISHED", "FAILED"
+_APART = "gait"  # stage with an experiment of its own: its many runs would bury the others
 _SHOWN = (".csv", ".svg", ".html", ".pt", ".onnx", ".xml", ".json")  # files of a result
 _PERIOD, _PATIENCE = 1.0, 60.0  # between two looks at running jobs, and for the end [s]
 ARTIFACT_ROOT = "_MLFLOW_SERVER_ARTIFACT_ROOT"  # private; see tests/test_private.py
 _MAX_PARAM = 5000  # characters of a parameter's value
-_PARENT = "mlflow.parentRunId"
+_PARENT, _PIPELINE, _NOTE = "mlflow.parentRunId", "pipeline", "mlflow.note.content"
 _KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
 
 
@@ -101,16 +105,17 @@ class Tracking:
 
     def _work(self, *pipeline: Any) -> None:
         """Do what the pipeline asks for, and in between look at the metrics of running jobs."""
-        if not self._try(lambda: self._start(*pipeline)):
-            return
-        while True:
-            with suppress(queue.Empty):
-                action = self._actions.get(timeout=_PERIOD)
-                if action is None:
-                    return
-                self._try(action)
-            for run in [*self._runs.values()]:
-                self._try(lambda run=run: self._log_new_metrics(run))
+        with ExitStack() as held:
+            if not self._try(lambda: self._start(held, *pipeline)):
+                return
+            while True:
+                with suppress(queue.Empty):
+                    action = self._actions.get(timeout=_PERIOD)
+                    if action is None:
+                        return
+                    self._try(action)
+                for run in [*self._runs.values()]:
+                    self._try(lambda run=run: self._log_new_metrics(run))
 
     def _try(self, action: Callable[[], None]) -> bool:
         try:
@@ -120,21 +125,32 @@ class Tracking:
             return False
         return True
 
-    def _start(self, name: str, params: Mapping, tags: Mapping, began: int) -> None:
-        """Connect, and open the run of this pipeline."""
+    def _start(
+        self, held: ExitStack, name: str, params: Mapping, tags: Mapping, began: int
+    ) -> None:
+        """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
         with exclusive(self._store.locks, "tracking"):
             self._client = _connect(self._store)
-            self._place = _experiment(self._client, self._experiment)
-            self._id = self._create(name, began, tags, params)
-            # A part of MLflow's address that lists runs; without a type it shows another page.
-            latest = f"/experiments/{self._place}/runs?workflowType=machine_learning"
+            self._experiments = {
+                name: _experiment(self._client, name) for name in (self._experiment, self._gaits)
+            }
+            _close_killed(self._client, self._store)
+            self._id = self._create(self._experiment, name, began, tags, params)
+            held.enter_context(exclusive(self._store.locks, self._id))
+            latest = page(self._experiments[self._experiment])
             files.write_atomic(self._store.root / LATEST, latest)
 
-    def _create(self, name: str, began: int, tags: Mapping, params: Mapping[str, Any]) -> str:
+    @property
+    def _gaits(self) -> str:
+        return f"{self._experiment}-{_APART}s"
+
+    def _create(
+        self, place: str, name: str, began: int, tags: Mapping, params: Mapping[str, Any]
+    ) -> str:
         from mlflow.entities import Param
 
-        tags = {**self._common, **tags}
-        run = self._client.create_run(self._place, start_time=began, tags=tags, run_name=name)
+        tags, place = {**self._common, **tags}, self._experiments[place]
+        run = self._client.create_run(place, start_time=began, tags=tags, run_name=name)
         flat = flatten(params).items()
         values = [Param(key, str(value)[:_MAX_PARAM]) for key, value in flat]
         self._client.log_batch(run.info.run_id, params=values)
@@ -143,9 +159,12 @@ class Tracking:
     def _open(self, run: _Run) -> str:
         """Id of the run of a job, which is created if it is not there yet."""
         if not run.id:
-            job = run.job
-            tags = {_PARENT: self._id, "stage": job.stage, "recipe": job.recipe}
-            run.id = self._create(job.label, run.began, tags, job.section)
+            job, apart = run.job, run.job.stage == _APART
+            # Pages show parents beside their children: not in two experiments.
+            tags = {_PIPELINE if apart else _PARENT: self._id}
+            tags |= {"stage": job.stage, "recipe": job.recipe}
+            place = self._gaits if apart else self._experiment
+            run.id = self._create(place, job.label, run.began, tags, job.section)
         return run.id
 
     def _log_new_metrics(self, run: _Run) -> None:
@@ -178,19 +197,34 @@ class Tracking:
         self._client.set_terminated(run.id, status, end_time=now)
 
     def _log_result(self, run: _Run, metadata: Mapping[str, Any], now: int) -> None:
-        """Write what a job led to: its numbers and files."""
+        """Write what a job led to: its numbers, files, those of its gaits, and a description."""
         from mlflow.entities import RunTag
 
         job, store, client = run.job, self._store, self._client
         result = store.read_manifest(job.stage, job.recipe).result
-        noted = {f"run/{name}": value for name, value in _numbers(metadata).items()}
+        summary, run_numbers = _numbers(result.summary), _numbers(metadata)
+        noted = summary | {f"run/{name}": value for name, value in run_numbers.items()}
         folder = store.object_folder(result.object)
         path = folder.relative_to(store.root).as_posix()
-        tags = [RunTag("object", result.object), RunTag("object.path", path)]
-        client.log_batch(run.id, _metrics(now, 0, _numbers(result.summary) | noted), tags=tags)
-        for name in sorted({name.partition("/")[0] for name in result.files}):
+        names = sorted({name.partition("/")[0] for name in result.files})
+        lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
+        lines += [f"Result, below `{store.root.name}/`:", "", *(f"* `{path}/{n}`" for n in names)]
+        gaits = [item for item in job.needs if item.stage == _APART]
+        if gaits:
+            link = page(self._experiments[self._gaits])
+            lines = [f"Made from the runs of [{self._gaits}](#{link}).", "", *lines]
+            client.log_table(run.id, _table(store, gaits), f"{_APART}s.json")
+        tags = {"object": result.object, "object.path": path, _NOTE: "\n".join(lines).lstrip()}
+        values = [RunTag(*tag) for tag in tags.items()]
+        client.log_batch(run.id, _metrics(now, 0, noted), tags=values)
+        for name in names if job.stage != _APART else ():
             if name.endswith(_SHOWN):
                 client.log_artifact(run.id, str(folder / name))
+
+
+def page(experiment: str) -> str:
+    """Part of MLflow's address that lists runs; without a type it shows another page."""
+    return f"/experiments/{experiment}/runs?workflowType=machine_learning"
 
 
 def _connect(store: Store) -> Any:
@@ -215,10 +249,32 @@ def _experiment(client: Any, name: str) -> str:
     return experiment
 
 
+def _close_killed(client: Any, store: Store) -> None:
+    """End the runs of pipelines that hold no lock any more as failed."""
+    experiments = [experiment.experiment_id for experiment in client.search_experiments()]
+    for run in client.search_runs(experiments, "attributes.status = 'RUNNING'"):
+        tags, id = run.data.tags, run.info.run_id
+        owner = tags.get(_PARENT) or tags.get(_PIPELINE) or (id if "plan" in tags else None)
+        with suppress(Timeout):
+            if owner is not None:
+                with exclusive(store.locks, owner, timeout=0):
+                    client.set_terminated(id, FAILED)
+
+
 def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:
     from mlflow.entities import Metric
 
     return [Metric(name, value, time, step) for name, value in values.items()]
+
+
+def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
+    """Summaries of jobs and numbers of their computations, a column each."""
+    rows = [
+        store.read_manifest(job.stage, job.recipe).result.summary
+        | _numbers(store.metadata(job.stage, job.recipe))
+        for job in jobs
+    ]
+    return {name: plain([row.get(name) for row in rows]) for name in rows[0]}
 
 
 def _numbers(metadata: Mapping[str, Any]) -> dict[str, float]:

@@ -1,7 +1,9 @@
 """What a hostile remote could do is refused: in one line, in time, with nothing written outside."""
 
 import os
+import socket
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -111,6 +113,15 @@ def test_a_store_of_another_layout(content, tmp_path):
     (tmp_path / MARKER).write_bytes(content)
     with pytest.raises(UserError, match="expected a store of layout 3, found another"):
         Remote(str(tmp_path)).open()
+
+
+def test_a_server_that_never_answers():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        started = time.monotonic()
+        url = f"http://127.0.0.1:{server.getsockname()[1]}/x"
+        with pytest.raises(UserError, match=rf"^remote {url}: no answer within 0.5 s$"):
+            Remote(url, contact_s=0.5).open()
+        assert time.monotonic() - started < 5
 
 
 class _Endless(BaseHTTPRequestHandler):

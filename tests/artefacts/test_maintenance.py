@@ -87,16 +87,27 @@ def paths(store: Store, *jobs) -> list[Path]:
     return [store.manifest_path(job.stage, job.recipe) for job in jobs]
 
 
-def test_verify_drops_what_is_corrupt_and_what_leads_to_it(full):
-    """What came from it stays: the content was whole when it was used."""
+def test_verify_drops_what_is_corrupt_and_all_that_came_from_it(full):
     manifest = full.read_manifest("gait", GAIT.recipe)
     damage(data(full, manifest))
     removed = verify(full)
     assert removed.objects == [manifest.result.object]
     assert removed.manifests == [f"gait/{GAIT.recipe}.json"]
-    assert full.manifests() == sorted(paths(full, *GAITS[1:], LIBRARY, TABLE))
-    assert len(full.index()) == 7
+    assert removed.derived == [f"{job.stage}/{job.recipe}.json" for job in (LIBRARY, TABLE)]
+    assert full.manifests() == sorted(paths(full, *GAITS[1:]))
+    assert len(full.index()) == 5
     assert verify(full) == Removed([], [])
+
+
+def test_a_manifest_remembers_its_inputs_without_the_way_to_them(full):
+    """The manifest in between is gone: the objects that were read say enough."""
+    manifest = full.read_manifest("gait", GAIT.recipe)
+    library = full.read_manifest("library", LIBRARY.recipe)
+    full.write_manifest(replace(library, inputs={"gaits": ["0" * 64]}))
+    full.manifest_path("gait", GAIT.recipe).unlink()
+    full.index_path(GAIT.key({})).unlink()
+    damage(data(full, manifest))
+    assert len(verify(full).derived) == 2
 
 
 def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
@@ -134,7 +145,7 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):
         collect(store, keep=0)
     path.write_bytes(b"\xff")
-    with pytest.raises(UserError, match=r"expected a plan, found none at .*: run `slider store"):
+    with pytest.raises(UserError, match=r"expected a plan, found none at .*store verify` drops it"):
         collect(store, keep=1)
 
 

@@ -44,5 +44,5 @@ def test_plan_round_trip(tmp_path):
     assert read_plan(path) == PLAN
     assert [job.label for job in read_plan(path).jobs.values()][-2:] == ["library", "table"]
     path.write_text(path.read_text().replace('"number"', '"numbers"'))
-    with pytest.raises(UserError, match=f"^expected a plan, found none at {path}: run"):
+    with pytest.raises(UserError, match=f"^expected a plan, found none at {path}$"):
         read_plan(path)

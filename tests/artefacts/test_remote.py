@@ -58,7 +58,7 @@ def test_rights_and_full_disks_have_their_place(tmp_path, monkeypatch):
     remote, new = Remote(str(tmp_path / "remote")), Remote(str(tmp_path / "new"))
     remote.open(create=True)
     before = sorted((tmp_path / "remote").rglob("*"))
-    here = f"^{tmp_path}/y: No space"
+    here = f"^expected to write {tmp_path}/y, found: No space"
     for method, number, message, attempt in (
         ("mkdir", errno.EACCES, r"new: Permission denied$", lambda: new.open(create=True)),
         # No absence, else a push would replace it.

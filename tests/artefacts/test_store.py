@@ -42,7 +42,8 @@ def test_who_may_write_beside_an_object_may_remove_it(store, monkeypatch):
     assert store.object_folder(digest).stat().st_mode & 0o777 == 0o775
     refused = PermissionError(errno.EACCES, "Permission denied")
     monkeypatch.setattr(os, "rmdir", Mock(side_effect=refused))
-    with pytest.raises(PermissionError):
+    line = f"^expected to remove .*/objects/{digest[:2]}/{digest}, found: Permission denied$"
+    with pytest.raises(UserError, match=line):
         store.drop_object(digest)
 
 

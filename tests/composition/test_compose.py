@@ -5,6 +5,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 import pytest
+from hydra import compose, initialize_config_dir
 
 from pipeline.entry import open_pipeline
 from pipeline.stages.gaits import velocities
@@ -29,6 +30,13 @@ def options() -> list[tuple[str, ...]]:
 @pytest.mark.parametrize("together", options())
 def test_every_option_composes(together):
     composed(*together)
+
+
+def test_hydra_of_the_caller_stays_as_it_was(tmp_path):
+    (tmp_path / "mine.yaml").write_text("a: 1\n")
+    with initialize_config_dir(str(tmp_path), version_base="1.3"):
+        composed("robot=slider")
+        assert compose("mine") == {"a": 1}
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,10 @@
 """A robot from a file outside ``conf/``: its values, tags, recipes and mistakes."""
 
+import os
+import signal
+import subprocess
+import sys
+
 import pytest
 
 from pipeline.stages import table1_jobs
@@ -81,8 +86,71 @@ def test_a_mistake_is_one_line(written, text, message):
     assert message in refusal([written(text)])
 
 
+ALIASES = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 9)
+)
+ROLES = "{base: base, joints: {hip_yaw: [a, b]}}"
+MODEL = f"{BASE}model: robot.xml\nroles: {ROLES}\n"
+BODIES = '<replicate count="100000000"><body><geom size="1"/></body></replicate>'
+COPIES = f"<mujoco><worldbody>{BODIES}</worldbody></mujoco>"
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize(
+    ("text", "model", "message"),
+    [
+        pytest.param(ALIASES + BASE, None, "and 64 KiB of values, found more ", id="aliases"),
+        pytest.param(f"{BASE}a: {'x' * 70_000}", None, "found more values", id="values"),
+        pytest.param("[" * 20_000, None, "found thousands of brackets", id="brackets"),
+        pytest.param(f"{BASE}a: !!binary aGk=", None, "type bytes is not JSON", id="binary"),
+        pytest.param(None, None, "expected a YAML file, found another kind", id="pipe"),
+        pytest.param(MODEL, None, "expected a model file (MJCF or URDF), found", id="model pipe"),
+        pytest.param(MODEL, COPIES, "what is read in 5 s, 2 GiB and", id="replicated bodies"),
+    ],
+)
+def test_a_hostile_file_is_one_line(tmp_path, text, model, message):
+    for name, content in (("robot.yaml", text), ("robot.xml", model)):
+        if content is None:
+            os.mkfifo(tmp_path / name)
+        else:
+            (tmp_path / name).write_text(content, encoding="utf-8")
+    assert message in refusal([f"robot={tmp_path}"])
+
+
+@pytest.mark.timeout(120)
+def test_an_interrupt_ends_the_reading(tmp_path):
+    (tmp_path / "robot.yaml").write_text(MODEL, encoding="utf-8")
+    (tmp_path / "robot.xml").write_text('<mujoco><include file="pipe"/></mujoco>', "utf-8")
+    os.mkfifo(tmp_path / "pipe")
+    command = [sys.executable, "-m", "slider.cli", "config", f"robot={tmp_path}"]
+    process = subprocess.Popen([*command, "--conf", str(CONF)], stderr=subprocess.DEVNULL)
+    with (tmp_path / "pipe").open("wb", 0) as pipe:  # waits for the reader
+        process.send_signal(signal.SIGINT)
+        assert process.wait() != 0
+        with pytest.raises(BrokenPipeError):
+            pipe.write(b" ")
+
+
 def test_no_such_file(tmp_path):
     assert "expected a YAML file, found: No such file" in refusal([f"robot={tmp_path}/none.yaml"])
+
+
+def test_an_installed_package_names_its_robot(written, tmp_path, monkeypatch):
+    written(CHANGED, "robot.yaml")
+    (tmp_path / "their_robots.py").write_text(
+        "from pathlib import Path\nHERE = Path(__file__).parent\n"
+    )
+    info = tmp_path / "theirs-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: theirs\nVersion: 1.0\n")
+    names = "theirs = their_robots:HERE\nslider = their_robots:HERE\nlost = their_robots:NOPE\n"
+    (info / "entry_points.txt").write_text(f"[slider.robots]\n{names}")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert composed("robot=theirs").robot.name == "mine"
+    assert composed("robot=slider").robot.name == "slider"
+    assert "no attribute 'NOPE'" in (lost := refusal(["robot=lost"]))
+    assert lost.startswith("robot=lost: expected one package ")
+    assert "unknown option robot=their, expected one of: " in refusal(["robot=their"])
 
 
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():

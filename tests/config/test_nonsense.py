@@ -34,7 +34,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     "": (),
     "nonsense": (
-        "*.name *.label tracking.experiment",  # names
+        "*.name *.label tracking.experiment store.remote",  # names
         "*.overrides[[]*",  # read when the variant is composed
         "report.sections[[]* study.*.metrics[[]*",  # known to whoever lays out the jobs
     ),

@@ -3,7 +3,6 @@
 import os
 import shutil
 import sys
-import tempfile
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +13,7 @@ from pipeline.entry import one_line
 from pipeline.targets import refresh_marker
 from slider.artefacts import runner
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -74,8 +73,7 @@ class Chain:
     @property
     def actions(self) -> dict[str, Callable[[], int]]:
         """What the Snakefile does, in its order."""
-        with tempfile.TemporaryDirectory() as folder:
-            path = self.store.root / "plans" / write_plan(self.plan, Path(folder)).name
+        path = plan_path(self.plan, self.store.root / "plans")
         run = ["run", "--plan", str(path), "--artefacts", str(self.store.root)]
         jobs = {
             job.label: lambda recipe=recipe: main([*run, recipe])

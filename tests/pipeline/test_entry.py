@@ -1,5 +1,6 @@
 """What the Snakefile takes of the pipeline."""
 
+import re
 import shlex
 import signal
 from pathlib import Path
@@ -52,14 +53,40 @@ def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeyp
     assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
 
 
-@pytest.mark.parametrize("put", [Path.touch, lambda path: path.symlink_to("/disk/there")])
-def test_what_is_no_folder_is_one_line(tmp_path, monkeypatch, capsys, put):
+PLACES = ("artefacts", "reports", "artefacts/objects", "artefacts/logs", "artefacts/plans")
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("put", "found"),
+    [
+        (Path.touch, "a file"),
+        (lambda path: path.symlink_to("/disk"), "a link to /disk, which is not there"),
+    ],
+)
+def test_what_is_no_folder_is_one_line(tmp_path, monkeypatch, capsys, place, put, found):
     monkeypatch.chdir(tmp_path)
-    put(Path("artefacts"))
+    Path(place).parent.mkdir(exist_ok=True)
+    put(Path(place))
     with pytest.raises(SystemExit, match="1"):
         open_pipeline({"hydra": "experiment=test"}, CONF)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("slider: artefacts")
+    assert capsys.readouterr().err == f"slider: expected a folder at {place}, found {found}\n"
+
+
+def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    opened = open_pipeline({"hydra": "experiment=test"}, CONF)
+    manifest, marker = opened.manifest("table1")(None), Path("artefacts/current/table1")
+    for place in (opened.plan_path, Path("reports/table1.csv"), marker, Path(manifest)):
+        kept = place.exists() and place.rename(tmp_path / "kept")
+        place.mkdir(parents=True)
+        with pytest.raises(SystemExit, match="1"):
+            open_pipeline({"hydra": "experiment=test"}, CONF)
+        (line,) = capsys.readouterr().err.splitlines()
+        assert re.fullmatch(rf"slider: expected .* {place}, found.* (folder|Is a directory)", line)
+        place.rmdir()
+        if kept:
+            kept.rename(place)
 
 
 @pytest.mark.parametrize("given", [["hydra=experiment=test"], None])

@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Progress
+from pipeline.progress import Progress, share, table
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
@@ -48,7 +48,7 @@ def finish(
     shown.ended(job.recipe)
 
 
-def test_a_line_per_job_and_the_place_of_the_table_at_the_end(run, tmp_path):
+def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
     shown, jobs, lines, now = run
     finish(run, tmp_path, jobs[0], 30.0)
     assert lines[0].startswith("[1/4  ")
@@ -63,7 +63,8 @@ def test_a_line_per_job_and_the_place_of_the_table_at_the_end(run, tmp_path):
     assert lines[-1].startswith("[4/4  100 %] table 1")
     now[0] += 1200.0  # of other jobs, such as those of the page
     shown.close(True)
-    assert lines[-1] == "Table 1 took 2 min: reports/table1.md"
+    assert "HZD" in lines[-2]
+    assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
 
 
 def test_a_result_of_an_earlier_run_is_reused(run, tmp_path):
@@ -99,5 +100,38 @@ def test_the_time_left_is_the_sum_over_the_cores_or_the_longest_job(run, tmp_pat
     shown.began(jobs[2].recipe)
     now[0] += 4.0
     assert shown.left() == pytest.approx(57.0 / 2)
+    path = Store(tmp_path).progress_path(jobs[2].stage, jobs[2].recipe)
+    path.parent.mkdir(parents=True)
+    path.write_text("20 %")  # 4 s were a fifth of it
+    assert shown.left() == pytest.approx((31.0 + 16.0) / 2)
     shown.ended(jobs[2].recipe)
     assert shown.left() == 20.0
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ("iteration 20/80, 10.3 k steps/s, 0.4 min left, success 84 %", 0.25),
+        ("3 of 12 gaits", 0.25),
+        ("built, 50 %", 0.0),
+        ("100 %", 0.99),
+        ("0 of 0", 0.0),
+    ],
+)
+def test_a_job_says_how_far_it_is(message, expected):
+    assert share(message) == pytest.approx(expected)
+
+
+def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
+    policy = {"controller": "policy", "success_rate": 0.995}
+    summaries = [
+        policy | {"speed": 0.2, "mse_steady": 0.00123},
+        policy | {"speed": 0.4, "mse_steady": 1.5},
+        {"controller": "hzd", "speed": 0.2, "success_rate": 0.0, "mse_steady": None},
+    ]
+    lines = [line.split() for line in table({"policy": "ours"}, summaries).splitlines()]
+    assert lines[0] == ["speed", "[m/s]", "0.2", "0.4"]
+    assert lines[1] == ["ours", "success", "[%]", "99.5", "99.5"]
+    assert lines[2][-2:] == ["0.00123", "1.50"]
+    assert lines[3] == ["hzd", "success", "[%]", "0", "–"]
+    assert lines[4][-2:] == ["∞", "–"]

@@ -69,7 +69,7 @@ def test_a_run_that_is_interrupted_twice_ends_with_the_table_of_a_local_run(
     _, text = head.communicate(timeout=120)
     assert head.returncode == 1
     assert "SLURM status is: 'CANCELLED'" in text
-    assert "log: artefacts/logs/evaluation/" in text
+    assert "slider: the job's log is artefacts/logs/evaluation/" in text
     left_behind(workspace, cluster)
 
     head = submit(workspace, cluster)
@@ -105,6 +105,7 @@ def test_a_submission_takes_several_gaits_and_says_which_failed(cluster, tmp_pat
     _, text = head.communicate(timeout=120)
     assert head.returncode == 1
     assert text.count("has been submitted") == 1
-    assert "log: artefacts/logs/gait/" in text
+    assert text.count("slider: the job's log is artefacts/logs/gait/") == 1
+    assert "  ZeroDivisionError: float division by zero" in text
     assert len(list((workspace.artefacts / "logs" / "gait").iterdir())) == 2
     left_behind(workspace, cluster)

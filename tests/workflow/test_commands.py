@@ -24,18 +24,25 @@ def giver(session_folder, tmp_path_factory) -> Workspace:
     return workspace
 
 
-def test_a_pull_takes_what_it_needs_and_the_pipeline_computes_what_is_damaged(giver, tmp_path):
+def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(giver, tmp_path):
     remote = giver.folder / "remote"
     result = giver.manifests("gait")[0]["result"]
     (remote / "files" / result["files"]["gait.txt"]["sha256"]).write_bytes(b"")
     taker = with_dummies(copy_repository(tmp_path / "taker"))
-    assert taker.snakemake(TABLE, "-n", hydra=QUIET).returncode == 0
-    pulled = taker.slider("store", "pull", str(remote))
-    assert f"damaged in {remote}: expected object {result['object'][:12]}, found " in pulled.stderr
-    waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
-    for count in (" 1 taken", " 1 damaged", f" {waiting} of other inputs"):
-        assert count in pulled.stdout
-    run = taker.snakemake(TABLE, hydra=QUIET)
+    run = taker.snakemake(TABLE, hydra=f"{QUIET} store.remote={remote}")
     assert run.returncode == 0, run.stderr
+    assert f"damaged in {remote}: expected object {result['object'][:12]}, found " in run.stderr
+    waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
+    start = f"slider: from {remote}: "
+    (line,) = [line for line in run.stderr.splitlines() if line.startswith(start)]
+    for count in (" 1 taken", " 1 damaged", f" {waiting} of other inputs"):
+        assert count in line
     assert taker.stages() == ["gait"]
     assert taker.table.read_text() == giver.table.read_text()
+
+
+def test_no_remote_fails_a_run(giver):
+    run = giver.snakemake(TABLE, "-n", hydra=f"{QUIET} store.remote=/nowhere")
+    assert run.returncode == 0, run.stderr
+    (line,) = [line for line in run.stderr.splitlines() if "slider: remote /nowhere: " in line]
+    assert line.endswith("; what is missing is computed here")

@@ -1,7 +1,6 @@
 """Manifests: what a recipe led to, as it is written and read."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import NotReadError, UserError, not_read
 from slider.core.files import FileTable
 
 SCHEMA = 4
@@ -66,6 +65,7 @@ def parse_manifest(path: Path) -> Manifest:
 
     Raises:
         UserError: there is none, or it is damaged.
+        NotReadError: it cannot be read.
         OtherVersionError: another version of this project wrote it.
     """
     try:
@@ -75,6 +75,8 @@ def parse_manifest(path: Path) -> Manifest:
         manifest = manifest_from(values)
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
+    except OSError as error:
+        raise not_read(error, path) from None
     except ValueError:
         raise UserError(f"expected a manifest, found something else in {path}") from None
     if path.stem not in (manifest.recipe, manifest.key):
@@ -91,10 +93,17 @@ def _is_of_another_version(values: Any) -> bool:
 
 
 def readable(path: Path) -> Manifest | None:
-    """A manifest file, if it is whole and of this version."""
-    with suppress(UserError):
+    """A manifest file, if it is whole and of this version.
+
+    Raises:
+        NotReadError: it cannot be read.
+    """
+    try:
         return parse_manifest(path)
-    return None
+    except NotReadError:
+        raise
+    except UserError:
+        return None
 
 
 def manifest_from(values: Any) -> Manifest:

@@ -7,7 +7,6 @@ the configuration files later.
 import json
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 from slider.artefacts.manifest import SCHEMA, OtherVersionError
 from slider.artefacts.recipe import Code, Groups
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_read
 
 
 @dataclass(frozen=True)
@@ -86,6 +85,11 @@ def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
     return Plan(jobs, {name: job.recipe for name, job in targets.items()})
 
 
+def plan_path(plan: Plan, folder: Path) -> Path:
+    """File of a plan, named by its content."""
+    return folder / f"{files.digest_value(_to_values(plan))}.json"
+
+
 def plan_paths(folder: Path) -> list[Path]:
     """Files of plans, the latest first."""
     paths = (path for path in files.entries(folder) if path.suffix == ".json")
@@ -123,12 +127,17 @@ def plan_text(path: Path) -> str:
 
     Raises:
         UserError: the file is missing or is not the plan that its name says.
+        NotReadError: it cannot be read.
     """
-    with suppress(FileNotFoundError, ValueError):
+    try:
         text = path.read_text(encoding="utf-8").removesuffix("\n")
         if files.digest_text(text) == path.stem:
             return text
-    raise UserError(f"expected a plan, found none at {path}: run `slider store verify`")
+    except (FileNotFoundError, ValueError):
+        pass
+    except OSError as error:
+        raise not_read(error, path) from None
+    raise UserError(f"expected a plan, found none at {path}")
 
 
 def _to_values(plan: Plan) -> dict[str, Any]:

@@ -6,8 +6,10 @@ Nothing that arrives is larger than expected, and only plain files are read.
 
 import json
 import tempfile
+import threading
 import uuid
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +21,7 @@ from fsspec.callbacks import Callback
 from fsspec.config import conf
 
 from slider.core import files
-from slider.core.errors import UserError, file_line, is_of_disks
+from slider.core.errors import UserError, not_written
 
 LAYOUT = 3
 MARKER = "slider-store.json"
@@ -49,9 +51,13 @@ class DamageError(Exception):
 
 @dataclass(frozen=True)
 class Remote:
-    """Files below an address; every failure of the way there is one :class:`UserError`."""
+    """Files below an address; every failure of the way there is one :class:`UserError`.
+
+    ``contact_s`` is the time in which it must answer the first question [s].
+    """
 
     url: str
+    contact_s: float = 15.0
 
     def __post_init__(self) -> None:
         try:
@@ -72,15 +78,27 @@ class Remote:
         """Tell whether there is a store of ours; make an empty one if asked.
 
         Raises:
-            UserError: the remote does not answer, has another store, or is to be written and can
-                only be read.
+            UserError: the remote does not answer in time, has another store, or is to be written
+                and can only be read.
         """
         if create and self._scheme in _READ_ONLY:
             raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
+        answer: Future[bytes | None] = Future()
+
+        def ask() -> None:
+            try:
+                answer.set_result(self.read(MARKER, _MARKER_SIZE))
+            except DamageError:
+                answer.set_result(b"")
+            except UserError as error:
+                answer.set_exception(error)
+
+        # The folder of a server that is switched off hangs; a pool's thread would outlive the wait.
+        threading.Thread(target=ask, daemon=True).start()
         try:
-            marker = self.read(MARKER, _MARKER_SIZE)
-        except DamageError:
-            marker = b""
+            marker = answer.result(self.contact_s)
+        except TimeoutError:
+            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
         if marker is None:
             if create:
                 self._make_folders()
@@ -133,8 +151,9 @@ class Remote:
             try:
                 fs.get(paths, targets, callback=_Limit(limit + len(paths)))
             except OSError as error:
-                if is_of_disks(error) and error.filename in (None, *targets):  # here, not there
-                    raise UserError(file_line(error, Path(targets[0]))) from None
+                here = error.filename in (None, *targets)
+                if here and (line := not_written(error, Path(targets[0]))):
+                    raise line from None
                 raise
             return True
 

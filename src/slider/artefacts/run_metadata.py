@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, NonNegativeFloat
 
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_read
 
 _SOURCE = Path(__file__).parent
 _START = "current/started"
@@ -62,12 +62,13 @@ def parse_metadata(path: Path) -> dict[str, Any]:
     """Read a file with run metadata.
 
     Raises:
-        UserError: there is none, or it is damaged.
+        NotReadError: there is none, or it cannot be read.
+        UserError: it is damaged.
     """
     try:
         return validate_metadata(files.read_json(path))
-    except FileNotFoundError:
-        raise UserError(f"expected run metadata, found none at {path}") from None
+    except OSError as error:
+        raise not_read(error, path) from None
     except ValueError:
         raise UserError(f"expected run metadata, found something else in {path}") from None
 

@@ -29,9 +29,10 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
+from slider.artefacts.plan import JobSpec
 from slider.artefacts.run_metadata import parse_metadata
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_read
 
 ARTEFACTS = "artefacts"
 _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
@@ -66,8 +67,8 @@ class Store:
         return self.root / stage / f"{recipe}.run.json"
 
     def metadata(self, stage: str, recipe: str) -> dict[str, Any]:
-        """Run metadata of a manifest; empty where they are missing, damaged or not to be read."""
-        with suppress(UserError, OSError):
+        """Run metadata of a manifest; empty where they are missing or damaged."""
+        with suppress(UserError):
             return parse_metadata(self.metadata_path(stage, recipe))
         return {}
 
@@ -91,6 +92,13 @@ class Store:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
+    def places(self, jobs: Iterable[JobSpec]) -> list[Path]:
+        """Files that the pipeline writes in the store."""
+        folders = ("objects", "index", "locks", "plans", "current", "cache")
+        of_a_job = (self.manifest_path, self.log_path, self.progress_path)
+        found = [place(job.stage, job.recipe) for job in jobs for place in of_a_job]
+        return [*(self.root / name / "any" for name in folders), *found]
+
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
         """Empty folder on the file system of the objects, removed at the end."""
@@ -102,7 +110,11 @@ class Store:
             shutil.rmtree(folder, ignore_errors=True)
 
     def publish(self, folder: Path, summary: dict[str, Any]) -> Result:
-        """Bring a finished temporary folder to the disk, and in one step to its place."""
+        """Bring a finished temporary folder to the disk, and in one step to its place.
+
+        Raises:
+            NotReadError: another object is there, which cannot be read.
+        """
         table = files.file_table(folder)
         result = Result(files.digest_table(table), table, files.plain(summary))
         for name in table:
@@ -125,19 +137,30 @@ class Store:
         """Read an object; tell whether its content has its name.
 
         Raises:
-            OSError: it cannot be read, which says nothing about its content.
+            NotReadError: it is there, and cannot be read.
         """
-        with suppress(FileNotFoundError, NotADirectoryError, ValueError):
-            return files.digest_table(files.file_table(self.object_folder(digest))) == digest
-        return False
+        folder = self.object_folder(digest)
+        try:
+            return files.digest_table(files.file_table(folder)) == digest
+        except (FileNotFoundError, NotADirectoryError, ValueError):
+            return False
+        except OSError as error:
+            raise not_read(error, folder) from None
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
+        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed.
+
+        Raises:
+            UserError: the system does not let it be removed, such as another user's.
+        """
         folder = self.object_folder(digest)
-        if folder.is_dir() and not folder.is_symlink():
-            shutil.rmtree(folder)
-        else:
-            folder.unlink(missing_ok=True)
+        try:
+            if folder.is_dir() and not folder.is_symlink():
+                shutil.rmtree(folder)
+            else:
+                folder.unlink(missing_ok=True)
+        except OSError as error:
+            raise UserError(f"expected to remove {folder}, found: {error.strerror}") from None
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""

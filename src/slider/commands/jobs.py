@@ -19,7 +19,7 @@ from slider.artefacts.plan import read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core import files
-from slider.core.errors import UserError, file_line, is_of_disks
+from slider.core.errors import UserError, no_memory, not_written
 
 _TAIL = 15  # lines of the log shown after a failure
 
@@ -55,9 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)
             print(f"{spec.label}: {outcome}")
         except Exception as error:
-            line = error if isinstance(error, UserError) else None
-            if isinstance(error, OSError) and is_of_disks(error):
-                line = file_line(error, store.root)
+            own = error if isinstance(error, UserError) else None
+            line = own or not_written(error, store.root) or no_memory(error)
             if line is not None:
                 for stream in (terminal, sys.stdout):
                     with suppress(OSError):  # no space for the end of the log

@@ -51,10 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
         removed = verify(store)
         for name in removed.damage:
             print(f"dropped {name}")
+        for line in removed.left:
+            print(f"{line}; it stays")
         if removed.others:
             print(f"{removed.others} files of other versions stay")
-        print(f"dropped {len(removed.objects)} objects, {len(removed.manifests)} manifests")
-        return int(bool(removed.damage))
+        manifests = len(removed.manifests) + len(removed.derived)
+        print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
+        return int(bool(removed.damage or removed.left))
     elif action == "times":  # what new clones predict with: src/slider/artefacts/times.csv
         print("kind,rate,jobs,cpu_s")
         stages = sorted({path.parent.name for path in store.manifests()})

@@ -7,7 +7,8 @@ are alike. A number in the place of the expression stays as it is typed.
 
 import difflib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -25,6 +26,7 @@ from slider.composition.robot_file import malformed, store_robot, without_absent
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
 from slider.config.schema import Config
+from slider.config.types import NAME
 from slider.config.validation import validate
 from slider.core.errors import UserError
 from slider.core.files import flatten
@@ -51,6 +53,18 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     return config
 
 
+@contextmanager
+def _hydra_of(conf: Path) -> Iterator[None]:
+    """Hydra with the files of a folder; a process has one, and the caller's own comes back."""
+    caller = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+            yield
+    finally:
+        GlobalHydra.instance().hydra = caller
+
+
 def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     """Resolve ``conf/config.yaml``; half a second.
 
@@ -62,8 +76,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     _check_groups(overrides)
     for group, folder in _FOLDERS.items():
         _store_all(conf, group, folder)
-    GlobalHydra.instance().clear()  # a process has one
-    with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+    with _hydra_of(conf):
         try:
             options = []
             for text in store_robot(overrides, conf):
@@ -170,8 +183,12 @@ def _check_groups(overrides: Sequence[str]) -> None:
 
 def _store_all(conf: Path, group: str, folder: str) -> None:
     """Write the option ``GROUP=all``: each file of ``conf/FOLDER`` under its own name."""
-    names = [name for name in _stems(conf / folder) if name not in _CHOICES]
-    defaults = [{f"/{folder}@{name}": name} for name in names]
+    names = _stems(conf / folder)
+    for name in names:
+        if not NAME.fullmatch(name) or name == "all":
+            expected = "small letters, digits and _ after a letter, and not all"
+            raise UserError(f"{conf / folder}/{name}.yaml: expected {expected}, found {name}")
+    defaults = [{f"/{folder}@{name}": name} for name in names if name not in _CHOICES]
     ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
 
 

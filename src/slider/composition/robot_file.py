@@ -1,12 +1,17 @@
 """``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
+An installed package may give a path a name, by an entry point of ``slider.robots``: ``robot=NAME``.
+Names of ``conf/robot`` come first.
 The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
 ``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
 optional. A value of either file has no other tag than the file's.
 """
 
+import json
 import re
 from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -16,6 +21,7 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
 from slider.config.parameters import tag
+from slider.core.confined import confined
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
@@ -23,6 +29,8 @@ if TYPE_CHECKING:  # planning has no need of MuJoCo, but for robots with a model
     from slider.robot.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
+ENTRY_POINTS = "slider.robots"
+"""Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
 
 
@@ -36,7 +44,8 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
         UserError: there is no such file, it cannot be read or it is no robot's.
     """
     names = sorted(file.stem for file in (conf / "robot").glob("*.yaml"))
-    paths = {text: path for text in overrides if (path := _path(text))}
+    own = {f"robot={name}" for name in names}
+    paths = {text: path for text in overrides if text not in own and (path := _path(text))}
     for text, path in paths.items():
         node, model = _read(path)
         require("name" in node, text, "the robot's name as `name`", "none")
@@ -83,35 +92,56 @@ def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
 
 def _path(text: str) -> Path | None:
     """File that an override names; of a folder its ``robot.yaml``."""
-    if (match := _PATH.fullmatch(text)) is None:
+    if match := _PATH.fullmatch(text):
+        path = Path(match[1]).expanduser()
+    elif packaged := [*entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot="))]:
+        expected = f"one package with a path of that name in {ENTRY_POINTS}"
+        require(len(packaged) == 1, text, expected, ", ".join(one.value for one in packaged))
+        try:
+            path = Path(packaged[0].load())
+        except (ImportError, AttributeError, TypeError) as error:
+            raise UserError(f"{text}: expected {expected}, found: {error}") from None
+    else:
         return None
-    path = Path(match[1]).expanduser()
     return path / "robot.yaml" if path.is_dir() else path
 
 
 def _read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
-    """Values of a robot's file apart from ``model`` and ``roles``, and what its model file gives.
+    """Values of a robot's file, and what its model file gives."""
+    found = confined("slider.composition.robot_file:read", path.absolute())
+    if not found["model"]:
+        return found["values"], None
+    from slider.robot.model_file import ModelFile
+
+    return found["values"], ModelFile(**found["model"])
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Plain values of a robot's file apart from ``model`` and ``roles``, and of its model file.
 
     Raises:
         UserError: a file cannot be read, or is no robot's.
     """
+    special = path.exists() and not path.is_file()  # a pipe would block
+    require(not special, f"robot={path}", "a YAML file", "another kind")
     try:
         node = OmegaConf.to_container(OmegaConf.load(path))
-    except OSError as error:
-        found = error.strerror or error
+        json.dumps(node)
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        found = getattr(error, "strerror", None) or error
         raise UserError(f"robot={path}: expected a YAML file, found: {found}") from None
-    except (YAMLError, OmegaConfBaseException, ValueError) as error:
+    except (YAMLError, OmegaConfBaseException) as error:
         raise UserError(malformed(error)) from None
     require(isinstance(node, dict), f"robot={path}", "keys and values", type(node).__name__)
     node = cast(dict[str, Any], node)
     file, roles = node.pop("model", None), node.pop("roles", None)
     if file is None and roles is None:
-        return node, None
+        return {"values": node, "model": None}
     if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
     from slider.robot.model_file import read_model
 
-    return node, read_model(path.parent / file, roles)
+    return {"values": node, "model": asdict(read_model(path.parent / file, roles))}
 
 
 def malformed(error: Exception) -> str:

@@ -222,14 +222,13 @@ def _entries(
             unit = (linear or turning if _LINEAR in path.split(".") else turning).strip()
             yield Entry(path, name, unit, bound, _default(value), text)
         return
-    own = type(value).__name__  # of a union the type that the value has
     for name, item in (vars(value) if group else value).items():
         below = (meaning(type(value), name) if group else "") or text
         if group and not below and not isinstance(item, dict) and not is_dataclass(item):
             below = _first_line(value)
         child = next(
             found
-            for option in sorted(_options(node), key=lambda o: o.get("title") != own)
+            for option in _options(node)
             if (found := option.get("properties", {}).get(name) or option.get(_OTHERS))
         )
         yield from _entries(item, child, f"{path}.{name}".lstrip("."), below, parameters)

@@ -119,6 +119,13 @@ class TrackingConfig(t.Group):
     """name of the MLflow experiment"""
 
 
+class StoreConfig(t.Group):
+    """The store of results. Never part of a recipe."""
+
+    remote: t.Name | None
+    """where missing results are taken from: a folder, ``s3://…``, ``sftp://…``, ``https://…``"""
+
+
 class ResourcesConfig(t.Group):
     """Of the machine that computes. Never part of a recipe."""
 
@@ -152,6 +159,7 @@ class Config(t.Group):
     report: ReportConfig
     study: t.Named[StudyConfig]
     tracking: TrackingConfig
+    store: StoreConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None
 

@@ -1,7 +1,10 @@
 """The one error that users see as a single line."""
 
 import errno
-from collections.abc import Iterable
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,17 @@ class UserError(Exception):
 
     Command-line entry points print it without a trace and exit with status 1.
     """
+
+
+class NotReadError(UserError):
+    """The system did not let a file be read, which says nothing about its content."""
+
+
+def not_read(error: OSError, place: Path) -> NotReadError:
+    """Line about a place that cannot be read; ``place`` is named where the error names none."""
+    return NotReadError(
+        f"expected to read {error.filename or place}, found: {error.strerror or error}"
+    )
 
 
 def require(condition: bool, key: str, expected: str, found: Any) -> None:
@@ -25,17 +39,67 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
     require(value in options, key, f"one of {', '.join(map(str, options))}", value)
 
 
-_OF_DISKS = (
-    *(errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EPERM),
-    *(errno.EIO, errno.EMFILE, errno.ENFILE, errno.ESTALE),
+def require_docstrings() -> None:
+    """Refuse a Python without docstrings: they are the meanings of terms and values."""
+    require(sys.flags.optimize < 2, "PYTHONOPTIMIZE", "at most 1", sys.flags.optimize)
+
+
+_OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
+_FOLDERS = ("reports", ".snakemake")
+# Messages of numpy and torch about a full disk, which lack its number.
+_SHORT = re.compile(
+    r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
 )
 
-
-def is_of_disks(error: BaseException) -> bool:
-    """Tell whether a disk is full, read-only or at fault, or a right or descriptor lacks."""
-    return isinstance(error, OSError) and error.errno in _OF_DISKS
+# What torch, CasADi, MuJoCo and CUDA say instead of a MemoryError.
+_NO_MEMORY = re.compile(r"(can't|not) allocate memory|bad_alloc|out of memory", re.IGNORECASE)
 
 
-def file_line(error: OSError, place: Path) -> str:
-    """Line about a file that cannot be read or written; ``place`` where the error names none."""
-    return f"{error.filename2 or error.filename or place}: {error.strerror or error}"
+def is_read_only(error: BaseException) -> bool:
+    """Tell whether something may be read but not written."""
+    return isinstance(error, OSError) and error.errno in (errno.EROFS, *_OF_RIGHTS)
+
+
+def not_written(error: BaseException, place: Path) -> UserError | None:
+    """Line about an error that comes from a place that cannot be written; None for other errors.
+
+    ``place`` is named where the error names none. What is no matter of disks, such as a missing
+    right, counts below ``place`` and the other folders that the pipeline writes.
+    """
+    for cause in _chain(error):
+        if isinstance(cause, OSError):
+            where = cause.filename2 or cause.filename
+            refused = cause.errno != errno.ENOENT and _is_ours(where, place)
+            if refused or cause.errno in _OF_DISKS:
+                return UserError(f"expected to write {where or place}, found: {cause.strerror}")
+        if _SHORT.search(str(cause)):
+            return UserError(f"expected to write {place}, found: No space left on device")
+    return None
+
+
+def no_memory(error: BaseException) -> UserError | None:
+    """Line about an error of whoever got no memory; None for other errors."""
+    for cause in _chain(error):
+        if isinstance(cause, MemoryError) or _NO_MEMORY.search(str(cause)):
+            found = next(iter(str(cause).splitlines()), "") or "none"
+            return UserError(
+                f"expected more memory, found: {found}; results and checkpoints are kept, "
+                "the same command again goes on from there"
+            )
+    return None
+
+
+def _is_ours(where: object, place: Path) -> bool:
+    if not isinstance(where, str | os.PathLike):
+        return False
+    folders = (Path(folder).resolve() for folder in (place, *_FOLDERS))  # the store may be a link
+    return any(map(Path(where).resolve().is_relative_to, folders))
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and its causes; only of an error of files also what was handled meanwhile."""
+    while error is not None:
+        yield error
+        handled = isinstance(error, OSError) and not error.__suppress_context__
+        error = error.__cause__ or (error.__context__ if handled else None)

@@ -21,6 +21,7 @@ from optuna.distributions import BaseDistribution, FloatDistribution, IntDistrib
 from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig, at_speed
 from slider.core import files, tables
+from slider.core.errors import not_read
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.metrics import Tracking, tracking
 from slider.evaluation.stage import record
@@ -79,11 +80,19 @@ def _kept(path: Path, measure: _Measure) -> _Measure:
 
 
 def _read_kept(path: Path) -> dict[str, Any]:
-    """What was measured before a kill; empty where nothing was, or the file is damaged."""
+    """What was measured before a kill; empty where nothing was, or the file is damaged.
+
+    Raises:
+        NotReadError: the file cannot be read, which says nothing about it.
+    """
     try:
         content = files.read_json(path)
         return content["kept"] if content["digest"] == files.digest_value(content["kept"]) else {}
-    except (FileNotFoundError, KeyError, TypeError, ValueError):
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise not_read(error, path) from None
+    except (KeyError, TypeError, ValueError):
         return {}
 
 

@@ -30,6 +30,7 @@ from slider.control.policy import (
     save,
     save_policy,
 )
+from slider.core.errors import not_read
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
 from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
@@ -244,8 +245,15 @@ def read_checkpoint(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _content(path: Path) -> dict[str, Any] | None:
-    """Content of a file; none where it is damaged."""
-    digest, _, data = path.read_bytes().partition(b"\n")
+    """Content of a file; none where it is damaged.
+
+    Raises:
+        NotReadError: it cannot be read, which says nothing about it.
+    """
+    try:
+        digest, _, data = path.read_bytes().partition(b"\n")
+    except OSError as error:
+        raise not_read(error, path) from None
     if digest != _digest(data):
         return None
     return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)

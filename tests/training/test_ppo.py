@@ -2,17 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import torch
-from tensordict import TensorDict
 
-from slider.env.interface import FLOAT64
-from slider.env.vec_env import Task
-from slider.training.ppo import AnnealedPPO, MetricsWriter, with_reflections
+from slider.training.ppo import AnnealedPPO, MetricsWriter
 from slider.training.trainer import Trainer
-from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
-from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task, trained
+from tests.env.synthetic import config
+from tests.training.test_trainer import TINY, Notes, actor, job, same, task, trained
 
 
 def test_one_call_per_step():
@@ -80,51 +76,3 @@ def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
     noise = actor(resumed.trainer)["distribution.log_std_param"].exp()
     assert noise.max().item() == pytest.approx(0.1)
     assert resumed.iterations == [4, 5, 6, 7]
-
-
-UNMIRRORED = (*TINY, "env.phase.mirror=false")
-
-
-def make_run(folder, symmetry: str = "none") -> Run:
-    whole, table, made = config(*UNMIRRORED), gait_table(), job(folder)
-    walking = whole.train.walking
-    walking = replace(walking, ppo=replace(walking.ppo, symmetry=symmetry))
-    task = Task(whole.robot, whole.env, walking, table.times, make_guide(), table.joints)
-    return Run(Trainer(task, made), made)
-
-
-def test_reflections_follow_the_originals(tmp_path):
-    """Half of the robots are put where the others are in a mirror, half a walk later."""
-    env = make_run(tmp_path).trainer.env
-    half = env.num_envs // 2
-    index = np.arange(env.num_envs)
-    own = env.physics.qpos[:half].copy(), env.physics.qvel[:half].copy()
-    pose = mirror_pose(*(each.copy() for each in own))
-    env.physics.reset(index, *map(np.concatenate, zip(own, pose, strict=True)))
-    command = np.tile([0.4, 0.05, 0.1], (env.num_envs, 1))
-    command[half:] *= [1, -1, -1]
-    state = env.physics.read().tensors(FLOAT64)
-    env.agent.set_velocity_command(index, torch.tensor(command))
-    phase = torch.linspace(0.1, 0.4, half)
-    env.agent.reset(index, state, torch.cat([phase, phase + 0.5]).double())
-    env.agent.refresh_heading(state)
-    values = env.agent.observe(state)
-    seen = TensorDict({"policy": values}, batch_size=[env.num_envs])
-    action = torch.randn(half, 12)
-    observations, actions = with_reflections(env, seen[:half], action)
-    assert torch.equal(observations["policy"][:half], seen["policy"][:half])
-    np.testing.assert_allclose(observations["policy"], seen["policy"], atol=1e-5)
-    np.testing.assert_allclose(actions[half:], action.numpy()[:, PERMUTATION] * SIGN, atol=1e-6)
-    assert np.abs(observations["policy"][:half] - observations["policy"][half:]).max() > 0.1
-
-
-@pytest.mark.parametrize("kind", ["augmentation", "loss"])
-def test_it_changes_what_is_learned(tmp_path, kind):
-    plain, symmetric = (make_run(tmp_path / name, name) for name in ("none", kind))
-    for run in (plain, symmetric):
-        run.trainer.run()
-    assert not same(actor(plain.trainer), actor(symmetric.trainer))
-    losses = symmetric.notes.series("Loss/symmetry")
-    assert [step for step, _ in losses] == symmetric.iterations
-    assert all(np.isfinite(value) and value > 0 for _, value in losses)
-    assert not plain.notes.series("Loss/symmetry")

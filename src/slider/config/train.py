@@ -119,10 +119,6 @@ class PpoConfig(t.Group):
     """gradients are cut to this norm"""
     precision: Literal["auto", "float32", "bfloat16"]
     """of the update; auto: bfloat16 on a processor that has it, found when jobs are laid out"""
-    symmetry: Literal["none", "augmentation", "loss"]
-    """left and right: reflected samples too, or a mirror loss; with env.phase.mirror=false"""
-    symmetry_weight: t.Factor
-    """of the mirror loss"""
     actor_ema: Annotated[t.Share, Field(lt=1)]
     """share of the actor's old average that an update leaves; the average is judged and exported"""
 

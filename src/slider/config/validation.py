@@ -38,11 +38,8 @@ def _simulations(config: Config) -> None:
             own, found = (getattr(item.network, name) for item in (walking, train))
             expected = f"{own}, as train.walking.network has it"
             require(found == own, f"{key}.network.{name}", expected, found)
-        length, symmetry, check = train.episode_length, train.ppo.symmetry, train.selection
+        length, check = train.episode_length, train.selection
         require(length >= period, f"{key}.episode_length", f"a value ≥ {period}", length)
-        possible = symmetry == "none" or not config.env.phase.mirror
-        expected = "none where env.phase.mirror shows the network left stance only"
-        require(possible, f"{key}.ppo.symmetry", expected, symmetry)
         latest, expected = check.duration - period, f"a time in [0, {check.duration - period:g}] s"
         require(check.warm_up <= latest + 1e-9, f"{key}.selection.warm_up", expected, check.warm_up)
     for key, control in ((f"control.{name}", item) for name, item in config.control.items()):

@@ -14,15 +14,11 @@ import torch
 from rsl_rl.algorithms import PPO
 from rsl_rl.models import MLPModel
 from rsl_rl.utils.log_writer import LogWriter
-from tensordict import TensorDict
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from slider.config.train import NetworkConfig, TrainConfig
 from slider.core.job import LogMetrics
-from slider.env.observations import reflected
-from slider.env.vec_env import WalkingEnv
-from slider.robot.names import MIRROR_PERMUTATION
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
@@ -110,14 +106,7 @@ def runner_config(
 
 
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
-    ppo, symmetry = train.ppo, None
-    if ppo.symmetry != "none":  # Mittal et al., ICRA 2024
-        symmetry = {
-            "data_augmentation_func": with_reflections,
-            "use_data_augmentation": ppo.symmetry == "augmentation",
-            "use_mirror_loss": ppo.symmetry == "loss",
-            "mirror_loss_coeff": ppo.symmetry_weight,
-        }
+    ppo = train.ppo
     return {
         "class_name": AnnealedPPO,
         "actor_ema": ppo.actor_ema,
@@ -134,7 +123,6 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
         "use_mixed_precision": ppo.precision == "bfloat16",
-        "symmetry_cfg": symmetry,
     }
 
 
@@ -172,18 +160,3 @@ class MetricsWriter(LogWriter):
             lasting = {k: v for k, v in self._metrics.items() if not k.startswith("Perf/")}
             self._curve.append({"iteration": self._step, **lasting})
         self._metrics = {}
-
-
-def with_reflections(
-    env: WalkingEnv, obs: TensorDict | None, actions: torch.Tensor | None
-) -> tuple[TensorDict | None, torch.Tensor | None]:
-    """Observations (B, size) and actions (B, 12), each followed by its reflection (2 B, ·)."""
-    agent = env.agent
-    if obs is not None:
-        observer, mirror = agent.observer, obs.clone()
-        mirror["policy"] = reflected(obs["policy"], observer.permutation, observer.sign)
-        obs = TensorDict.cat([obs, mirror])
-    if actions is not None:
-        mirrored = reflected(actions, list(MIRROR_PERMUTATION), agent.mirror_sign)
-        actions = torch.cat([actions, mirrored])
-    return obs, actions

@@ -1,7 +1,5 @@
 """The search for a controller's settings: its score, its trials, and going on after a kill."""
 
-from unittest.mock import Mock
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -54,15 +52,6 @@ def test_the_first_trial_is_the_present_one(tmp_path):
     assert len(set(table["step.apex"])) == 3
     assert table["step.apex"].between(0.05, 0.09).all()
     assert table["planner.steps"].isin([2, 3, 4, 5]).all(), "whole, and the present one among them"
-
-
-@pytest.mark.parametrize("text", ['{"kept": {"a": [{}, 7.0]}, "digest": "0"}', "[1]", "{", "{}"])
-def test_measurements_that_are_damaged_are_made_anew(tmp_path, text):
-    (tmp_path / "measured.json").write_text(text)
-    kept = tuning._kept(tmp_path / "measured.json", Mock(return_value=({}, 1.0)))
-    assert kept(Mock(robots=1, seed=2), {})[1] == 1.0
-    again = tuning._kept(tmp_path / "measured.json", Mock(side_effect=AssertionError))
-    assert again(Mock(robots=1, seed=2), {})[1] == 1.0
 
 
 def test_a_killed_search_goes_on_to_the_same_trials(tmp_path, monkeypatch):

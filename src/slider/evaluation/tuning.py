@@ -21,7 +21,6 @@ from optuna.distributions import BaseDistribution, FloatDistribution, IntDistrib
 from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig, at_speed
 from slider.core import files, tables
-from slider.core.errors import not_read
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.metrics import Tracking, tracking
 from slider.evaluation.stage import record
@@ -67,33 +66,16 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _kept(path: Path, measure: _Measure) -> _Measure:
     """The same function, whose results a file keeps for the search after a kill."""
-    kept = _read_kept(path)
+    kept: dict[str, Any] = files.read_json(path) if path.is_file() else {}
 
     def measured(config: EvaluationConfig, settings: Mapping[str, float]):
         key = files.digest_value([config.robots, config.seed, settings])
         if key not in kept:
             kept[key] = measure(config, settings)
-            files.write_json(path, {"kept": kept, "digest": files.digest_value(kept)})
+            files.write_json(path, kept)
         return kept[key]
 
     return measured
-
-
-def _read_kept(path: Path) -> dict[str, Any]:
-    """What was measured before a kill; empty where nothing was, or the file is damaged.
-
-    Raises:
-        NotReadError: the file cannot be read, which says nothing about it.
-    """
-    try:
-        content = files.read_json(path)
-        return content["kept"] if content["digest"] == files.digest_value(content["kept"]) else {}
-    except FileNotFoundError:
-        return {}
-    except OSError as error:
-        raise not_read(error, path) from None
-    except (KeyError, TypeError, ValueError):
-        return {}
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:

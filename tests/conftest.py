@@ -14,6 +14,7 @@ import pytest
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import DictConfig
+from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.stages import entries
 from slider.artefacts.recipe import Code
@@ -69,7 +70,7 @@ def _compose_values(name: str, overrides: list[str]) -> DictConfig:
         config = pickle.loads(_chosen(*(each.input_line for each in files)))
         loader._apply_overrides_to_config([each for each in parsed if each not in files], config)
         return config
-    except Exception:  # for Hydra's own words
+    except (OmegaConfBaseException, TypeError, ValueError, AttributeError):  # Hydra words them
         return _compose_files(name, overrides=overrides)
 
 

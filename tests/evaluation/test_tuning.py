@@ -1,5 +1,7 @@
 """The search for a controller's settings: its score, its trials, and going on after a kill."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -45,8 +47,15 @@ def test_a_share_of_falls_adds_to_the_error():
     assert score == pytest.approx((np.log10(0.02) + np.log10(0.005 + 0.005) + np.log10(1.1)) / 3)
 
 
-def test_the_first_trial_is_the_present_one(tmp_path):
-    table = search(tmp_path, "out")
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> tuple[Path, pd.DataFrame]:
+    """Folder of a search that nothing interrupts, and its trials."""
+    folder = tmp_path_factory.mktemp("whole")
+    return folder / "out", search(folder, "out")
+
+
+def test_the_first_trial_is_the_present_one(whole):
+    _, table = whole
     assert list(table["trial"]) == [0, 1, 2]
     assert (table["step.apex"][0], table["planner.steps"][0]) == (0.0669, 2)
     assert len(set(table["step.apex"])) == 3
@@ -54,8 +63,7 @@ def test_the_first_trial_is_the_present_one(tmp_path):
     assert table["planner.steps"].isin([2, 3, 4, 5]).all(), "whole, and the present one among them"
 
 
-def test_a_killed_search_goes_on_to_the_same_trials(tmp_path, monkeypatch):
-    whole = search(tmp_path / "whole", "out")
+def test_a_killed_search_goes_on_to_the_same_trials(whole, tmp_path, monkeypatch):
     measure, calls = tuning._measure, []
 
     def killed(*arguments):
@@ -69,10 +77,10 @@ def test_a_killed_search_goes_on_to_the_same_trials(tmp_path, monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             search(tmp_path, "killed")
     table = search(tmp_path, "out")
-    pd.testing.assert_frame_equal(table, whole, check_exact=True)
+    pd.testing.assert_frame_equal(table, whole[1], check_exact=True)
     assert len(calls) == 3 + 3 + 3, "what was measured is not measured again"
-    files = [tmp_path / name / "out" / tuning.CSV for name in ("", "whole")]
-    assert files[0].read_bytes() == files[1].read_bytes()
+    found, expected = ((out / tuning.CSV).read_bytes() for out in (tmp_path / "out", whole[0]))
+    assert found == expected
 
 
 def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
@@ -92,12 +100,11 @@ def test_the_search_finds_a_minimum(tmp_path, monkeypatch):
     assert abs(one["step.apex"][-2:] - 0.0778).max() < 0.001
 
 
-def test_the_table_has_present_and_best_values(tmp_path):
-    search(tmp_path, "search")
+def test_the_table_has_present_and_best_values(whole, tmp_path):
     names = {"mpc_wbc_tuned": "MPC + WBC, tuned"}
     (tmp_path / "out").mkdir()
     table = {"labels": names, "spaces": {"mpc_wbc_tuned": SPACE}, "robot": "slider"}
-    searches = {"searches": [tmp_path / "search"]}
+    searches = {"searches": [whole[0]]}
     summary = report.run(table, searches, tmp_path / "out", Job(tmp_path / "work"))
     assert summary["trials"] == 3 + 3
     text = (tmp_path / "out" / "baseline_tuning.md").read_text()

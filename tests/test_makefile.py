@@ -111,20 +111,8 @@ def test_a_copied_or_moved_environment_is_made_anew(folder, maker):
         assert (elsewhere / ".venv/place").read_text() == str(elsewhere)
 
 
-@pytest.mark.parametrize("python", ["#!/bin/sh\nexit 1\n", "no program"])
-def test_a_broken_environment_is_made_anew(folder, maker, python):
-    (folder / ".venv/bin/python").write_text(python)
-    assert make(folder, "table1", maker)[2] == "snakemake"
-
-
-@pytest.mark.parametrize("kind", ["own", "linked"])
-def test_an_environment_of_somebody_else_stays(folder, maker, kind):
+def test_an_environment_of_somebody_else_stays(folder, maker):
     (folder / ".venv/place").unlink()
-    (folder / ".venv").rename(folder / "elsewhere")
-    if kind == "own":
-        (folder / "elsewhere").rename(folder / ".venv")
-    else:
-        (folder / ".venv").symlink_to("elsewhere")
     done = call(folder, "table1", maker)
     assert done.returncode
     assert "expected no .venv or one that make made, found another: move it away" in done.stderr
@@ -138,9 +126,8 @@ def test_the_supported_pythons_are_the_same_everywhere():
         assert "Python 3.11 to 3.13" in (ROOT / name).read_text()
 
 
-@pytest.mark.parametrize("version", [(3, 10, 2), (3, 14, 0)])
-def test_another_python_is_one_line_and_leaves_no_environment(folder, version):
-    old, found = folder / "old", ".".join(map(str, version))
+def test_another_python_is_one_line_and_leaves_no_environment(folder):
+    old, version, found = folder / "old", (3, 10, 2), "3.10.2"
     check = f"import sys; sys.version_info = {version}; sys.version = '{found} x'"
     old.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{check}; $(echo "$3" | tail -c +12)"\n')
     old.chmod(0o755)

@@ -92,21 +92,6 @@ def test_sees_every_change_of_what_runs(root, name, text):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        *("table.sync-conflict-20261127-101500-ABCDEFG.csv", "table (conflicted copy).csv"),
-        *("table-LAPTOP.csv", ".#table.csv", ".table.csv", "table.csv~", "data (1)/table.csv"),
-    ],
-)
-def test_ignores_what_others_put_beside_the_source(root, name):
-    before = digest(root)
-    path = root / "slider" / "gait" / name
-    path.parent.mkdir(exist_ok=True)
-    path.write_text("1,2\n")
-    assert digest(root) == before
-
-
-@pytest.mark.parametrize(
     "block",
     [
         "try:\n pass\nexcept OSError:\n import casadi",

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.core.errors import UserError
 from slider.env.metrics import EstimateError, GaitQuality, Tracking
 from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation, Z, wilson
@@ -74,18 +73,6 @@ def test_save_then_load(tmp_path, written):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
     about = json.loads((tmp_path / "metadata.json").read_text())
     assert ("case" in about) == bool(written.case)
-
-
-@pytest.mark.parametrize(
-    ("name", "columns"),
-    [(results.ROBOTS, results.COLUMNS), (results.SEGMENTS, results.SEGMENT_COLUMNS)],
-)
-def test_other_columns_are_one_line(tmp_path, name, columns):
-    changing().save(tmp_path)
-    (tmp_path / name).write_text("trial,robot\n0,1\n")
-    expected = rf"expected the columns trial,robot,{columns[2]},.*, found trial,robot"
-    with pytest.raises(UserError, match=expected):
-        Evaluation.load(tmp_path)
 
 
 def test_numbers_by_hand():

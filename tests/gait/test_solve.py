@@ -14,7 +14,7 @@ from slider.gait.constraints import joint_bounds
 from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solution import dense_nodes, dense_violations, knee_trajectory
-from slider.gait.solve import ANCHOR, Attempt, GaitSolver, PrimalDual, Solve
+from slider.gait.solve import ANCHOR, GaitSolver, PrimalDual, Solve
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved, solver
@@ -100,35 +100,6 @@ def test_a_turning_gait_starts_from_one_straight_ahead():
     assert warm.success
     assert warm.cost == pytest.approx(cold.cost, rel=1e-6)
     assert warm.iterations < cold.iterations
-
-
-ENDS = {"fast": (1.0, False), "ramp": (2.0, False), "cold": (3.0, True), "crouched": (2.0, True)}
-
-
-class Scripted(GaitSolver):
-    """Attempts end as given: cost and success by guess."""
-
-    def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
-        cost, success = ENDS[guess]
-        attempts = (Attempt(guess, "", 1, cost),)
-        return Solve(np.full(3, cost), "", success, 1, cost, {}, {}, 0.0, 0.0, {}, attempts)
-
-
-@pytest.mark.parametrize(
-    ("guesses", "cost", "tried"),
-    [
-        (["cold", "crouched"], 3.0, 1),
-        (["fast", "cold", "crouched"], 3.0, 2),
-        (["fast"], 1.0, 1),
-        (["fast", "ramp"], 1.0, 2),
-    ],
-)
-def test_the_first_success_is_kept_else_the_first_guess(guesses, cost, tried):
-    settings = replace(config().gait.solver, guesses=guesses)
-    solve = Scripted(problem(), settings, config().gait.step_time).solve(*VELOCITY)
-    assert (solve.cost, solve.success) == (cost, ENDS[guesses[tried - 1]][1])
-    assert [attempt.name for attempt in solve.attempts] == guesses[:tried]
-    assert (solve.variables == cost).all()
 
 
 def test_a_step_time_that_is_given_is_kept():

@@ -147,6 +147,17 @@ def test_a_bad_attitude_counts_as_the_one_before_or_upright(default, bad):
     assert np.isfinite(found[1]).all()
 
 
+def test_a_state_of_zeros_starts_anew(default):
+    step, session = default
+    fresh = np.zeros((1, step.state_size))
+    first, state = session.run(None, readings(step, 0) | {"state": fresh})
+    for seed in range(30):
+        _, state = session.run(None, readings(step, seed) | {"state": state})
+    assert np.abs(session.run(None, readings(step, 0) | {"state": state})[0] - first).max() > 1e-3
+    again, _ = session.run(None, readings(step, 0) | {"state": fresh})
+    np.testing.assert_array_equal(again, first)
+
+
 def test_yaw_may_wrap(default):
     """The same robot, that turns left, seen from the north: its yaw goes over ±180°."""
     step, session = default

@@ -53,6 +53,10 @@ def test_the_shipped_policy_is_of_this_version_and_walks():
     np.testing.assert_allclose(recording.velocity[100:, :, 0].mean(axis=0), speeds, atol=0.15)
 
 
+def test_what_ships_is_small():
+    assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < 1_500_000
+
+
 class Walk:
     """The shipped policy in plain MuJoCo; ``spoil`` changes the readings of a tick."""
 
@@ -76,7 +80,7 @@ class Walk:
 
 @pytest.mark.parametrize(
     ("name", "index"),
-    [("joint_velocities", 2), ("quaternion", 3)],
+    [("joint_positions", 3), ("joint_velocities", 2), ("linear_velocity", 0), ("quaternion", 3)],
 )
 def test_it_walks_on_after_a_sample_that_is_no_number(example, contract, name, index):
     def spoil(tick, readings):
@@ -87,12 +91,12 @@ def test_it_walks_on_after_a_sample_that_is_no_number(example, contract, name, i
 
 
 def test_it_starts_again_where_it_was_stopped(example, contract):
-    """From rest at 2.2 m/s, each time after a walk of another length, with the same object."""
+    """20 times from rest at 2.2 m/s, each after a walk of another length, with the same object."""
     walk = Walk(example, contract)
     data, rng = walk.robot.data, np.random.default_rng(0)
     rest = data.qpos.copy()
-    for trial in range(6):
-        walk.go(0.5 + 0.17 * trial, 2.2)
+    for trial in range(20):
+        walk.go(0.5 + 0.05 * trial, 2.2)
         data.time += 1.0
         data.qpos[:], data.qvel[:] = rest, 0.0
         data.qpos[7:] += 0.005 * rng.standard_normal(12)
@@ -120,11 +124,31 @@ def test_missed_and_late_ticks_are_made_up_for(example, contract):
     np.testing.assert_array_equal(irregular(PERIOD * 99.4, readings), found)  # the same period
 
 
-def test_the_rate_of_the_network_is_the_contracts(example, contract, tmp_path):
+def test_it_walks_with_missed_ticks(example, contract):
+    walk = Walk(example, contract)
+    policy = walk.policy
+
+    def sometimes(now, readings):
+        return (
+            policy.outputs and [policy.outputs[0][0]]
+            if round(now / PERIOD) % 20 == 13
+            else policy(now, readings)
+        )
+
+    walk.policy = sometimes
+    assert walk.go(4.0, 1.2) == pytest.approx(4.0, abs=0.8)
+
+
+@pytest.mark.parametrize("timestep", [0.004, 0.003])
+def test_the_rate_of_the_network_is_the_contracts(example, contract, tmp_path, timestep):
     folder = shutil.copytree(SHIPPED, tmp_path / "policy")
     model = folder / "robot.xml"
-    model.write_text(model.read_text().replace('timestep="0.005"', 'timestep="0.004"'))
-    assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
+    model.write_text(model.read_text().replace('timestep="0.005"', f'timestep="{timestep}"'))
+    if timestep == 0.004:
+        assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
+        return
+    with pytest.raises(SystemExit, match=r"divides the control period of 0.02 s, found 0.003$"):
+        example.Simulation(folder, contract)
 
 
 def test_joints_are_found_by_name(example, contract, tmp_path):
@@ -154,6 +178,15 @@ def test_it_is_a_short_program_of_python_3_8():
     assert not (called | keywords) & {"removeprefix", "removesuffix", "pairwise", "strict"}
 
 
+def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(example, contract, tmp_path):
+    folder = shutil.copytree(SHIPPED, tmp_path / "policy")
+    model = folder / "robot.xml"
+    model.write_text(model.read_text().replace('gaintype="dcmotor"', 'gaintype="future"'))
+    oldest = contract["simulation"]["mujoco"]
+    with pytest.raises(SystemExit, match=rf"^robot.xml: expected MuJoCo {oldest} or newer, found"):
+        example.Simulation(folder, contract)
+
+
 def test_it_walks_on_its_sensors_as_a_program_without_the_package(tmp_path):
     blocked = tmp_path / "blocked" / "slider"
     blocked.mkdir(parents=True)
@@ -171,8 +204,17 @@ def test_it_walks_on_its_sensors_as_a_program_without_the_package(tmp_path):
     assert float(re.match(r"walked: 10.0 s, x = (\S+) m", last)[1]) == pytest.approx(11.5, abs=1.0)
 
 
-def test_a_fall_ends_it_with_status_1(example, monkeypatch):
-    """Also one after which MuJoCo begins anew, upright."""
+@pytest.mark.parametrize("options", ["--velocity nan 0 0", "--seconds -1", "--seconds inf"])
+def test_an_impossible_option_is_one_line(example, options, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["run_policy.py", str(SHIPPED), *options.split()])
+    with pytest.raises(SystemExit, match="2"):
+        example.main()
+    expected = "expected finite numbers and a positive time"
+    assert capsys.readouterr().err.splitlines()[-1].endswith(expected)
+
+
+@pytest.mark.parametrize("fall", ["tilted", "low", "reset by MuJoCo"])
+def test_a_fall_ends_it_with_status_1(example, fall, monkeypatch):
     move = example.Simulation.move
 
     def fall_once(robot, targets) -> None:
@@ -180,9 +222,14 @@ def test_a_fall_ends_it_with_status_1(example, monkeypatch):
         assert not robot.has_fallen()
         move(robot, targets)
         if data.time > 0.1:
-            data.qvel[3] = 1e12
-            move(robot, targets)
-            data.qpos[2] = robot.height
+            if fall == "tilted":
+                data.qpos[3:7] = np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0
+            elif fall == "low":
+                data.qpos[2] *= 0.4
+            else:  # it begins anew, upright
+                data.qvel[3] = 1e12
+                move(robot, targets)
+                data.qpos[2] = robot.height
 
     monkeypatch.setattr(sys, "argv", ["run_policy.py", str(SHIPPED), "--seconds", "1"])
     monkeypatch.setattr(example.Simulation, "move", fall_once)

@@ -97,10 +97,21 @@ def test_a_block_has_the_reports_tables_and_their_origin():
     assert origin.endswith(", commit `01234567`, 2026-11-23, Processor X, 2 cores, Linux.")
 
 
-def test_the_summary_has_success_and_error():
+def test_the_summary_has_lower_tracking_rates_and_the_papers_error():
+    head = "controller,label,source,speed,success_rate,tracking_rate,mse_steady,mse\n"
+    ours = "policy,ours,measured,0.2,0.996,0.9,0.00271,0.01\nhzd,HZD,measured,0.2,1,1,0.5,1\n"
+    printed = "guided_drl,guided RL (paper),paper,0.2,1,,,0.0317\n"
+    Path("reports/table1.csv").write_text(head + ours + printed)
+    runs = "seed,speed,success_rate,mse_steady\n1,0.2,1,0.000421\n2,0.2,1,0.000275\n"
+    Path("reports/seeds_runs.csv").write_text(runs)
     lines = filled("summary")
-    assert "| 0.2 | 0.00271 |" in lines
-    assert "**Tracking rate**" not in lines
+    assert "|  | policy (ours), 2 trainings | 100 |" in lines
+    assert "|  | policy (ours), 2 trainings | 0.000275–0.000421 |" in lines
+    assert "| Success rate [%] | ours | 99.6 (90) |" in lines
+    assert "|  | guided RL (paper) | 100 |" in lines, "it prints no tracking rate"
+    assert "|  | HZD | 100 |" in lines
+    assert "| Velocity MSE after the warm-up [m²/s²] | ours | 0.00271 |" in lines
+    assert "|  | guided RL (paper) | 0.0317 |" in lines
 
 
 def test_times_are_those_of_the_jobs_before():
@@ -120,7 +131,7 @@ def test_quantities_are_down_and_speeds_across(monkeypatch):
 
 
 def test_a_second_run_and_an_edit_by_hand_end_in_the_same_bytes(capsys):
-    filled("summary", "sweep")
+    filled("table1", "sweep")
     before = Path("README.md").read_text()
     assert "**Mean speed [m/s]**" not in before
     Path("README.md").write_text(before.replace("99.6", "100"))
@@ -142,3 +153,8 @@ def test_without_the_report_a_block_stays_and_one_line_names_the_command(capsys)
 def test_every_block_is_shown_somewhere():
     shown = {match[2] for page in PAGES for match in MARKED.finditer(page.read_text())}
     assert set(BLOCKS) <= shown
+
+
+def test_a_report_of_another_version_is_one_line(capsys):
+    filled("summary", status=1)
+    assert "expected the column 'success_rate' in reports/table1.csv" in capsys.readouterr().err

@@ -23,6 +23,7 @@ from slider.core.errors import UserError
 from slider.core.quantities import speed_text
 from slider.core.tables import Table, read
 from slider.reports.provenance import in_order, stage_title
+from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.report import across
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
@@ -30,6 +31,8 @@ _STEPS = ("alternation", "touchdown_rate", "flight", "slip", "clearance")
 _LEGS = ("leg_distance", "robots_touch", "robots_cross", "heading_worst")
 _VARIANCES = ("velocity_variance", "reference_velocity_variance")
 _LEARNING = "policy", "hzd", "mpc_wbc_tuned"
+_SHOWN = ("success_rate", "mse_steady")
+_SUMMARY = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")
 _WALKING = (*_STEPS, *_LEGS, *_VARIANCES, "peak_effort", "peak_speed", "cost_of_transport")
 
 
@@ -68,8 +71,13 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     jobs = store.mentioning(files.digest_file(report))
     if name == "times":
         body = stage_times(jobs, store)
+    elif name in _OF_CSV:
+        try:
+            body = _OF_CSV[name](report).markdown
+        except KeyError as error:
+            raise UserError(f"expected the column {error} in {report}, found none") from None
     else:
-        body = learning(report) if name == "learning" else markdown_tables(report, count)
+        body = markdown_tables(report, count)
     metadata = [store.metadata(job.stage, job.recipe) for job in jobs]
     oldest = min(metadata, key=lambda fact: str(fact.get("ended", "")), default={})
     return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n\n<!-- /results -->"
@@ -87,11 +95,42 @@ def origin(command: str, metadata: dict[str, Any]) -> str:
     return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
 
 
-def learning(report: Path) -> str:
+def learning(report: Path) -> Table:
     """How the policy, HZD and MPC walk: quantities and controllers down, speeds across."""
     frame = read(report)
     frame = frame[frame["controller"].isin(_LEARNING)]
-    return across("", "command [m/s]", "speed", _WALKING, frame, ["label"], speed_text).markdown
+    return across("", "command [m/s]", "speed", _WALKING, frame, ["label"], speed_text)
+
+
+def summary(report: Path) -> Table:
+    """Success and error in Table 1; a lower tracking rate stands in parentheses.
+
+    Below the policy stands the range over all trainings of ``seeds_runs.csv``, if any.
+    """
+    percent, error = (QUANTITIES[name].text for name in _SHOWN)
+    rows = []
+    for row in read(report).to_dict("records"):
+        success, tracking = row["success_rate"], row["tracking_rate"]
+        lower = f" ({percent(tracking)})" if tracking < success else ""
+        mse = error(row["mse" if row["source"] == PAPER else "mse_steady"])
+        shown = dict(zip(_SHOWN, (percent(success) + lower, mse), strict=True))
+        rows.append({name: row[name] for name in ("controller", "label", "speed")} | shown)
+    seeds = report.with_name("seeds_runs.csv")
+    if seeds.is_file():
+        runs = read(seeds)
+        label = f"policy (ours), {runs['seed'].nunique()} trainings"
+        for speed, mine in runs.groupby("speed"):
+            ends = zip(*(mine[[*_SHOWN]].agg(end) for end in ("min", "max")), strict=True)
+            texts = [
+                "–".join(dict.fromkeys(map(QUANTITIES[name].text, pair)))
+                for name, pair in zip(_SHOWN, ends, strict=True)
+            ]
+            shown = dict(zip(_SHOWN, texts, strict=True))
+            rows.append({"controller": "policy", "label": label, "speed": speed} | shown)
+    frame = pd.DataFrame(rows)
+    frame = frame[frame["controller"].isin(_SUMMARY)]
+    frame = frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
+    return across("", "command [m/s]", "speed", _SHOWN, frame, ["label"], speed_text)
 
 
 def markdown_tables(report: Path, count: int | None) -> str:
@@ -128,8 +167,9 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
     return Table([*heads, "processor time [min]"], body).markdown
 
 
+_OF_CSV = {"learning": learning, "summary": summary}
 BLOCKS: dict[str, tuple[str, int | None]] = {
-    "summary": ("table1.md", 2),
+    "summary": ("table1.csv", None),
     "times": ("table1.csv", None),
     "learning": ("gait_quality.csv", None),
     **{name: (f"{name}.md", 1) for name in ("gauge", "sweep", "stability", "verification")},

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from pandas.api.types import is_numeric_dtype
 
 from slider.core import tables
 from slider.core.quantities import NONE
@@ -44,12 +45,16 @@ def across(
     keys: Sequence[str],
     form: Callable[[float], str] = "{:g}".format,
 ) -> Table:
-    """Quantities and the ``keys`` of rows down, the values of a column across."""
+    """Quantities and the ``keys`` of rows down, the values of a column across.
+
+    A quantity may be of texts, which stand as they are.
+    """
     values, body = np.sort(frame[column].unique()), []
     for name in quantities:
-        heading = quantity(name).heading
+        heading, numbers = quantity(name).heading, is_numeric_dtype(frame[name])
         for key, mine in frame.groupby([*keys], sort=False):
-            cells = dict(zip(mine[column], map(quantity(name).text, mine[name]), strict=True))
+            texts = map(quantity(name).text, mine[name]) if numbers else mine[name]
+            cells = dict(zip(mine[column], texts, strict=True))
             body.append([heading, *key, *(cells.get(value, NONE) for value in values)])
             heading = ""
     return Table([head, *[""] * len(keys), *map(form, values)], body, title)

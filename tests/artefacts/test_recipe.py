@@ -91,6 +91,15 @@ def test_sees_every_change_of_what_runs(root, name, text):
     assert digest(root) != before
 
 
+@pytest.mark.parametrize("name", ["table-LAPTOP.csv", ".table.csv", "data (1)/table.csv"])
+def test_ignores_what_others_put_beside_the_source(root, name):
+    before = digest(root)
+    path = root / "slider" / "gait" / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("1,2\n")
+    assert digest(root) == before
+
+
 @pytest.mark.parametrize(
     "block",
     [

@@ -151,3 +151,11 @@ def test_a_name_is_held_until_its_process_ends_however_it_does(tmp_path: Path):
     assert [path.name for path in tmp_path.iterdir()] == ["all.lock"]
     with exclusive(tmp_path, "x"):
         pass
+
+
+@pytest.mark.parametrize("name", ["locks", "locks/all.lock"])
+def test_something_else_in_the_place_of_a_lock_is_one_line(tmp_path: Path, name: str):
+    (tmp_path / "locks").touch() if name == "locks" else (tmp_path / name).mkdir(parents=True)
+    for attempt in (exclusive(tmp_path / "locks", "x"), nobody_else(tmp_path / "locks")):
+        with pytest.raises(UserError, match=r"expected a lock file at .*\.lock, found: "), attempt:
+            pass

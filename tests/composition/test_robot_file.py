@@ -101,8 +101,6 @@ COPIES = f"<mujoco><worldbody>{BODIES}</worldbody></mujoco>"
     [
         pytest.param(ALIASES + BASE, None, "and 64 KiB of values, found more ", id="aliases"),
         pytest.param(f"{BASE}a: {'x' * 70_000}", None, "found more values", id="values"),
-        pytest.param("[" * 20_000, None, "found thousands of brackets", id="brackets"),
-        pytest.param(f"{BASE}a: !!binary aGk=", None, "type bytes is not JSON", id="binary"),
         pytest.param(None, None, "expected a YAML file, found another kind", id="pipe"),
         pytest.param(MODEL, None, "expected a model file (MJCF or URDF), found", id="model pipe"),
         pytest.param(MODEL, COPIES, "what is read in 5 s, 2 GiB and", id="replicated bodies"),

@@ -53,7 +53,7 @@ def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeyp
     assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
 
 
-PLACES = ("artefacts", "reports", "artefacts/objects", "artefacts/logs", "artefacts/plans")
+PLACES = ("artefacts", "reports", "artefacts/plans")
 
 
 @pytest.mark.parametrize("place", PLACES)

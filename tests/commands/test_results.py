@@ -157,4 +157,4 @@ def test_every_block_is_shown_somewhere():
 
 def test_a_report_of_another_version_is_one_line(capsys):
     filled("summary", status=1)
-    assert "expected the column 'success_rate' in reports/table1.csv" in capsys.readouterr().err
+    assert "expected the column 'controller' in reports/table1.csv" in capsys.readouterr().err

@@ -314,6 +314,7 @@ def make_recording(command: np.ndarray, **changes: Any) -> Recording:
     steps, count = command.shape[:2]
     forces = changes.pop("foot_forces", np.full((steps, count, 2), 50.0))
     still = Recording(
+        period=0.02,
         command=command,
         alive=np.ones((steps, count), dtype=bool),
         velocity=np.zeros((steps, count, 2)),
@@ -351,6 +352,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
         torque_limits=TORQUE_LIMITS,
+        period=0.02,
         scan=HeightScan(15, 12, 0.1),
         **values,
     )

@@ -5,10 +5,11 @@ from dataclasses import fields
 import numpy as np
 import pytest
 import torch
+from scipy.linalg import solve_continuous_are
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.env.guide import Guide, observed_channels
-from slider.env.rewards import TERMS, Reward, RewardView
+from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from tests.env.synthetic import (
@@ -101,8 +102,8 @@ HAND = {  # term → (quantities of state and view, parameters, value)
         1 - 0.03 / 0.12,
     ),
 }
-BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule"}
-BELOW |= {*config("experiment=paper").train.walking.reward.terms}
+BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule", "clf_value"}
+BELOW |= {"clf_decrease", *config("experiment=paper").train.walking.reward.terms}
 
 
 @pytest.mark.parametrize("name", [*HAND, *sorted(TERMS.keys() - HAND.keys() - BELOW)])
@@ -190,6 +191,57 @@ def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     assert (slide < hip).all()
     np.testing.assert_allclose(hip, hip[0])
     np.testing.assert_allclose(off("left_hip_pitch", 0.1), hip)
+
+
+CLF = {"bandwidth": 20.0, "rate_weight": 2.0, "eta_max": 0.5}  # P = [[2, 1], [1, 2]]
+RATES = {"eta_dot_max": 5.0, "decay": 4.0}
+SCALE = 2 * 3.0 * 0.5 * 5.0 + 4.0 * 3.0 * 0.5**2  # 2‖P‖ η_max η̇_max + decay λ_max(P) η_max²
+
+
+def off_the_gait(name: str, error: float, rate: float = 0.0) -> View:
+    """A robot whose joint is off by [rad or m], with a rate that is off as well."""
+    phase, command = np.array([0.3]), np.array([[0.4, 0.0, 0.0, 0.0]])
+    gait = gait_table().at(command[:, :3], phase)
+    positions, rates = gait[:, :12] + joint(name, error), gait[:, 12:24] + joint(name, rate)
+    state = make_state(1, joint_positions=positions, joint_velocities=rates)
+    return make_view(state, command=command, phase=phase)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "rate", "lyapunov"),
+    [
+        ("left_hip_pitch", 0.0, 0.0, 0.0),
+        ("left_hip_pitch", 0.2, 0.0, 2 * 0.04),
+        ("right_ankle", 0.0, 4.0, 0.5 * 2 * 0.2**2),
+        ("right_slide", 0.05, -2.0, 40 * (2 * 0.05**2 - 2 * 0.05 * 0.1 + 2 * 0.1**2)),
+        ("left_upper_foot", 9.0, 9.0, 0.0),  # no motor, no output
+    ],
+)
+def test_clf_value(name, error, rate, lyapunov):
+    found = value("clf_value", off_the_gait(name, error, rate), **CLF)
+    np.testing.assert_allclose(found, [np.exp(-lyapunov / (3.0 * 0.5**2))], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "expected"),
+    [
+        (0.2, 0.1, 0.0),  # falls faster than asked
+        (0.1, 0.1, 4.0 * 0.02 / SCALE),  # stays: V = 0.02
+        (0.1, 0.1 * np.exp(-0.5 * 4.0 * 0.02), 0.0),  # falls as e^(−decay t), in one step
+        (0.1, 0.11, ((0.0242 - 0.02) / 0.02 + 4.0 * 0.0242) / SCALE),
+        (0.0, 5.0, 1.0),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_clf_decrease(before, now, expected):
+    guide = make_guide()
+    last, view = (off_the_gait("left_hip_pitch", error) for error in (before, now))
+    seen = RewardView(view, guide, RewardView(last, guide).outputs)
+    found = TERMS["clf_decrease"].function(seen, **CLF, **RATES)
+    np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
+    start = RewardView(view, guide, torch.full_like(seen.outputs, np.inf))
+    first = TERMS["clf_decrease"].function(start, **CLF, **RATES)
+    np.testing.assert_array_equal(first, [0.0], "V is infinite before an episode")
 
 
 def brute_force(view: View, keep: np.ndarray, gait: str = "nearest") -> np.ndarray:
@@ -285,3 +337,14 @@ def test_floor_then_scale_then_fall(settings, expected):
     total, parts = Reward(config)(view, np.array([False, True]))
     np.testing.assert_allclose(total, expected)
     np.testing.assert_allclose(sum(parts.values()), RAW)
+
+
+@pytest.mark.parametrize("case", [(20.0, 2.0), (1.0, 0.0), (7.3, 11.0)])
+def test_p_solves_the_riccati_equation(case):
+    """Q and R in seconds: V is ω times the cost of their LQR."""
+    clf = Lyapunov(*case)
+    q, r = np.diag([1.0, clf.rate_weight / clf.bandwidth**2]), [[clf.bandwidth**-4.0]]
+    solution = solve_continuous_are(np.eye(2, k=1), [[0.0], [1.0]], q, r)
+    error = np.random.default_rng(0).standard_normal((5, 2, 3))
+    expected = clf.bandwidth * np.einsum("nik,ij,njk->n", error, solution, error)
+    np.testing.assert_allclose(clf.value(error), expected, rtol=1e-9)

@@ -101,8 +101,10 @@ def test_every_parameter_of_a_term_has_its_unit():
 def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name):
     term, view = rewards.TERMS[name], random_view(40)
     later = replace(view, phase=(view.phase + 0.37) % 1.0)
+    before = RewardView(view, make_guide()).outputs
     values = [
-        term.function(RewardView(seen, make_guide()), **params()[name]) for seen in (view, later)
+        term.function(RewardView(seen, make_guide(), before), **params()[name])
+        for seen in (view, later)
     ]
     assert (values[0] != values[1]).any() == (Needs.CLOCK in term.needs)
     refused = pytest.raises(UserError, match="expected a gait library")

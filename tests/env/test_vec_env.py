@@ -196,6 +196,20 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     assert np.ptp(yaw) > 0.05
 
 
+def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset(monkeypatch):
+    env = build(config("experiment=test", "train/walking/reward=clf"))
+    reward, seen = env.reward, []
+    monkeypatch.setattr(env, "reward", lambda r, fell: seen.append(r) or reward(r, fell))
+    generator, before = torch.Generator().manual_seed(0), torch.full((NUM_ENVS, 2, 10), np.inf)
+    for step in range(60):
+        if step == 30:
+            env.physics.qpos[2, 2] = 0.2  # falls
+        _, _, done, _ = env.step(actions(True, generator))
+        torch.testing.assert_close(seen[-1].outputs_before, before.double(), rtol=0, atol=0)
+        before = seen[-1].outputs.where(done[:, None, None] == 0, np.inf)
+        assert step != 30 or done[2]
+
+
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     return write_store(tmp_path_factory.mktemp("library"), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)])

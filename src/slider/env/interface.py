@@ -159,6 +159,7 @@ class AgentInterface:
             nominal=self.nominal,
             nominal_height=self.nominal_height,
             torque_limits=self._torque_limits,
+            period=self._config.control_period,
             scan=self._config.observation.height_scan,
         )
 

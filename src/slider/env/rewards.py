@@ -1,9 +1,12 @@
 """Reward terms: pure functions of a view and the guide, each (N,), named in the configuration."""
 
+import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 from pydantic import Field
 
 from slider.config.convert import from_dict
@@ -15,17 +18,19 @@ from slider.config.types import (
     NonNegative,
     Number,
     Positive,
+    Radians,
+    RadiansPerSecond,
     Share,
     Unit,
 )
-from slider.core.arrays import Array
+from slider.core.arrays import Array, namespace
 from slider.core.errors import UserError
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
 from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
+from slider.robot.names import ACTUATED, NUM_CHANNELS, NUM_JOINTS
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
@@ -35,14 +40,47 @@ _Radians2 = Annotated[float, Unit("rad²"), Field(gt=0, le=1e4)]
 _Metres2 = Annotated[float, Unit("m²"), Field(gt=0, le=1e4)]
 _Radians2PerSecond2 = Annotated[float, Unit("rad²/s²"), Field(gt=0, le=1e4)]
 _Metres2PerSecond2 = Annotated[float, Unit("m²/s²"), Field(gt=0, le=1e4)]
+_PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
 _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
+_DRIVEN = np.array(ACTUATED)
+
+
+@dataclass(frozen=True)
+class Lyapunov:
+    """V = ηᵀPη of outputs y with ÿ = v, and η = (y, ẏ/ω) of each.
+
+    P solves FᵀP + PF − PGR⁻¹GᵀP + Q = 0 with Q = diag(1, q) and R = 1, time in units of 1/ω:
+    P = [[√(q + 2), 1], [1, √(q + 2)]]. In seconds these are Q = diag(1, q/ω²) and R = 1/ω⁴, whose P
+    is that divided by ω. The LQR has the natural frequency ω and the damping ratio √(q + 2)/2.
+
+    Attributes:
+        bandwidth: ω [rad/s].
+        rate_weight: q.
+    """
+
+    bandwidth: float
+    rate_weight: float
+
+    @property
+    def largest(self) -> float:
+        """λ_max(P) = ‖P‖."""
+        return math.sqrt(self.rate_weight + 2.0) + 1.0
+
+    def value(self, outputs: Array) -> Array:
+        """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
+        y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
+        diagonal = self.largest - 1.0
+        return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(axis=1)
 
 
 class RewardView:
-    """A view together with the guide, if there is one; the reference is looked up once per step."""
+    """A view together with the guide, if there is one; the reference is looked up once per step.
 
-    def __init__(self, view: View, guide: "Guide | None") -> None:
-        self.view, self.state = view, view.state
+    ``before``: ``outputs`` (N, 2, 10) one control step ago, infinite where an episode begins.
+    """
+
+    def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:
+        self.view, self.state, self.outputs_before = view, view.state, before
         self._guide = guide
 
     @property
@@ -56,6 +94,17 @@ class RewardView:
     def reference(self) -> Array:
         """Reference channels and base motion (N, 39)."""
         return self.guide.at_phase(self.view)
+
+    @cached_property
+    def outputs(self) -> Array:
+        """y and ẏ (N, 2, 10) [rad, rad/s]: y = √w (q − gait(phase)) of the driven joints.
+
+        With the guide's weights w a metre of slide counts like √40 rad.
+        """
+        desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
+        measured = [self.state.joint_positions, self.state.joint_velocities]
+        error = namespace(desired).stack(measured, dim=1) - desired
+        return (self.guide.weights.sqrt() * error)[:, :, _DRIVEN]
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -125,6 +174,38 @@ def guide_phase_turning(r: RewardView, width: _Radians2) -> Array:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((r.guide.weights * error**2).sum(dim=1), width)
+
+
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def clf_value(
+    r: RewardView,
+    bandwidth: Positive[RadiansPerSecond],
+    rate_weight: NonNegative[Number],
+    eta_max: Positive[Radians],
+) -> Array:
+    """exp(−V/σ) of the outputs' control Lyapunov function, σ = λ_max(P) η_max² (CLF-RL)."""
+    clf = Lyapunov(bandwidth, rate_weight)
+    return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
+
+
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def clf_decrease(
+    r: RewardView,
+    bandwidth: Positive[RadiansPerSecond],
+    rate_weight: NonNegative[Number],
+    eta_max: Positive[Radians],
+    eta_dot_max: Positive[RadiansPerSecond],
+    decay: _PerSecond,
+) -> Array:
+    """Violation of V̇ + decay·V ≤ 0 in units of σ', at most 1 (CLF-RL).
+
+    V̇ is the change over a control step; σ' = 2‖P‖ η_max η̇_max + decay λ_max(P) η_max². Nothing is
+    asked of an episode's first step: V is infinite before.
+    """
+    clf = Lyapunov(bandwidth, rate_weight)
+    value, before = clf.value(r.outputs), clf.value(r.outputs_before)
+    scale = clf.largest * eta_max * (2.0 * eta_dot_max + decay * eta_max)
+    return (((value - before) / r.view.period + decay * value) / scale).clip(0.0, 1.0)
 
 
 @reward()

@@ -165,6 +165,7 @@ class View:
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
         torque_limits: (10,) of the motors [N m].
+        period: control period [s].
         scan: grid of the height scan.
     """
 
@@ -181,6 +182,7 @@ class View:
     nominal: Array
     nominal_height: float
     torque_limits: Array
+    period: float
     scan: HeightScan
 
     @property

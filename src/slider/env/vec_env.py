@@ -26,7 +26,7 @@ from slider.env.state import RobotState
 from slider.env.velocities import Random, VelocitySampler
 from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
-from slider.robot.names import NUM_JOINTS
+from slider.robot.names import ACTUATED, NUM_JOINTS
 
 _CROSSED = 1.0  # way of an episode after which its terrain counts as crossed [m]
 
@@ -125,6 +125,7 @@ class WalkingEnv(VecEnv):
         if self.physics.terrain is not None:
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
         self.reward = Reward(train.reward)
+        self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
         self.restart()
 
     @property
@@ -156,7 +157,10 @@ class WalkingEnv(VecEnv):
         self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
-        reward, parts = self.reward(RewardView(view, self._guide), fell)
+        seen = RewardView(view, self._guide, self._outputs)
+        reward, parts = self.reward(seen, fell)
+        if "outputs" in vars(seen):  # a term read them
+            self._outputs = seen.outputs.clone()
         speed_error = abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         self.diverged += state.diverged.sum()
         timed_out = self._end_episodes(fell, state)
@@ -213,6 +217,7 @@ class WalkingEnv(VecEnv):
             velocity[on_gait] = gait[:, :2]
         if agent.clock is not None and agent.clock.halts:
             phase[standing(command) & ~on_gait] = 0.0  # they stand from the start
+        self._outputs[index] = math.inf
         self.physics.reset(index, qpos, qvel)
         self._read()
         heading = heading.where(on_gait, self._measured.yaw[index])

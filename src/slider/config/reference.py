@@ -55,6 +55,11 @@ class Entry(NamedTuple):
     meaning: str
 
 
+def kind(hint: Any) -> Kind:
+    """What values of a type may be."""
+    return _kind(_schema(hint))
+
+
 def entries(config: Config, parameters: Mapping[str, Any]) -> list[Entry]:
     """Every key of a configuration, in its order; ``parameters`` has types of terms' parameters."""
     nodes = {path: _schema(hint) for path, hint in parameters.items()}
@@ -222,13 +227,14 @@ def _entries(
             unit = (linear or turning if _LINEAR in path.split(".") else turning).strip()
             yield Entry(path, name, unit, bound, _default(value), text)
         return
+    own = type(value).__name__  # of a union the type that the value has
     for name, item in (vars(value) if group else value).items():
         below = (meaning(type(value), name) if group else "") or text
         if group and not below and not isinstance(item, dict) and not is_dataclass(item):
             below = _first_line(value)
         child = next(
             found
-            for option in _options(node)
+            for option in sorted(_options(node), key=lambda o: o.get("title") != own)
             if (found := option.get("properties", {}).get(name) or option.get(_OTHERS))
         )
         yield from _entries(item, child, f"{path}.{name}".lstrip("."), below, parameters)

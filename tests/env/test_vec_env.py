@@ -9,10 +9,11 @@ import torch
 
 from slider.config.env import StartNoise
 from slider.config.schema import Config
-from slider.config.train import TrainConfig
+from slider.config.train import TrainConfig, VelocitiesConfig
 from slider.config.types import Interval
 from slider.env.guide import Guide
-from slider.env.vec_env import Task, WalkingEnv, task_of
+from slider.env.interface import FLOAT64
+from slider.env.vec_env import Random, Task, VelocitySampler, WalkingEnv, task_of
 from slider.library.lookup import GaitTable
 from tests.env.synthetic import (
     config,
@@ -25,6 +26,7 @@ from tests.library.gaits import write_store
 
 EXPERIMENTS = ("default", "turning", "robust", "outdoor", "paper", "paper_alive")
 NUM_ENVS = 6
+DRAWS = 20000
 STILL = torch.zeros(NUM_ENVS, 12)
 
 
@@ -257,3 +259,34 @@ def test_terrain_grades_robots_and_slows_them():
     other = build(whole)
     other.restore_levels(state)
     np.testing.assert_array_equal(other.physics.terrain.levels, state)
+
+
+@pytest.fixture
+def rng() -> Random:
+    return Random(0, FLOAT64)
+
+
+def sampler(period: float = 5.0, standing: float = 0.25) -> VelocitySampler:
+    ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
+    config = VelocitiesConfig(*ranges, period, standing, uneven=1.0)
+    return VelocitySampler(config, control_period=0.02, like=FLOAT64)
+
+
+def test_uniform_within_the_ranges(rng):
+    commands = sampler(standing=0.0).sample(rng, DRAWS).numpy()
+    lower, upper = np.array([[0.2, -0.1, -0.5], [3.0, 0.3, 0.5]])
+    assert ((commands >= lower) & (commands <= upper)).all()
+    width = upper - lower
+    np.testing.assert_allclose(commands.mean(axis=0), (lower + upper) / 2, atol=0.01 * width.max())
+    np.testing.assert_allclose(commands.std(axis=0), width / np.sqrt(12), rtol=0.02)
+    assert np.abs(np.corrcoef(commands.T) - np.eye(3)).max() < 0.03
+
+
+@pytest.mark.parametrize(("period", "expected"), [(4.0, 5.0), (0.0, 0.0)])
+def test_rate_of_change(rng, period, expected):
+    """In 20 s; never, at a period of zero."""
+    changing, counts = sampler(period).changing, np.zeros(500)
+    for _ in range(1000):
+        counts[changing(rng, 500)] += 1
+    assert counts.mean() == pytest.approx(expected, rel=0.05)
+    assert counts.var() == pytest.approx(expected, rel=0.25), "robots should change independently"

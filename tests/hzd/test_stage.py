@@ -16,9 +16,8 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd import walk
 from slider.hzd.gains import FootPlacement
-from slider.hzd.stability import records, run
+from slider.hzd.stability import CSV, MARKDOWN, QUANTITIES, records, run
 from slider.hzd.stage import collect_placement, run_gaits
-from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
 from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
 from tests.gait.gaits import config

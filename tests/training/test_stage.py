@@ -10,7 +10,7 @@ from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
-from slider.training.stage import run_walking
+from slider.training.trainer import run_walking
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
 from tests.training.test_trainer import TINY, same

@@ -14,7 +14,7 @@ from slider.env.vec_env import task_of
 from slider.evaluation import stage as evaluation
 from slider.library.reader import STORE
 from slider.training.selection import Selector
-from slider.training.stage import run_walking
+from slider.training.trainer import run_walking
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
 from tests.training.test_stage import section

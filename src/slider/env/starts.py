@@ -34,7 +34,7 @@ def at_rest(
     """Positions (count, 19) and velocities (count, 18) about the nominal pose.
 
     The lowest foot point touches the ground, whatever the noise. ``rng`` is a generator of NumPy's,
-    or :class:`slider.env.velocities.Random`.
+    or :class:`slider.env.vec_env.Random`.
     """
     nominal = asarray(nominal_qpos(robot), like)
     qpos = namespace(like).tile(nominal, (count, 1))

@@ -13,7 +13,7 @@ from tensordict import TensorDict
 
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
-from slider.config.train import TrainConfig
+from slider.config.train import TrainConfig, VelocitiesConfig
 from slider.env import terminations
 from slider.env.disturbance import Disturbance
 from slider.env.guide import Guide
@@ -23,7 +23,6 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, sample_about
 from slider.env.state import RobotState
-from slider.env.velocities import Random, VelocitySampler
 from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
 from slider.robot.names import ACTUATED, NUM_JOINTS
@@ -75,6 +74,46 @@ def task_of(
         Guide(gaits, table, robot.geometry, train.guide.gait) if guided else None,
         table.joints if env.action.offset == "gait" else None,
     )
+
+
+class Random:
+    """Random numbers of a seed in the precision and on the device of ``like``."""
+
+    def __init__(self, seed: int, like: torch.Tensor) -> None:
+        self._generator = torch.Generator(like.device).manual_seed(seed)
+        self._options: dict[str, Any] = {"dtype": like.dtype, "device": like.device}
+
+    def uniform(self, low: Any = 0.0, high: Any = 1.0, size: Any = ()) -> torch.Tensor:
+        """Uniform numbers in [low, high) of a shape."""
+        share = torch.rand(size, generator=self._generator, **self._options)
+        return low + (high - low) * share
+
+    def standard_normal(self, size: Any = ()) -> torch.Tensor:
+        """Standard normal numbers of a shape."""
+        return torch.randn(size, generator=self._generator, **self._options)
+
+
+class VelocitySampler:
+    """Draws velocities: vx, vy [m/s] and yaw rate [rad/s], on the device of ``like``."""
+
+    def __init__(self, config: VelocitiesConfig, control_period: float, like: torch.Tensor) -> None:
+        self._standing_fraction = config.standing_fraction
+        ranges = (config.vx, config.vy, config.yaw_rate)
+        self._lower = like.new_tensor([r.lower for r in ranges])
+        self._upper = like.new_tensor([r.upper for r in ranges])
+        self._change = control_period / config.period if config.period > 0 else 0.0
+
+    def sample(self, rng: Random, count: int) -> torch.Tensor:
+        """New velocities (count, 3) within the ranges; a fraction of them is zero."""
+        velocities = rng.uniform(self._lower, self._upper, (count, 3))
+        standing = rng.uniform(size=(count, 1)) < self._standing_fraction
+        return velocities.masked_fill_(standing, 0.0)
+
+    def changing(self, rng: Random, num_robots: int) -> torch.Tensor:
+        """Numbers (n,) of the robots that get a new velocity in this control step."""
+        if self._change == 0.0:
+            return torch.zeros(0, dtype=torch.long, device=self._lower.device)
+        return (rng.uniform(size=num_robots) < self._change).nonzero().flatten()
 
 
 class WalkingEnv(VecEnv):

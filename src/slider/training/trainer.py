@@ -1,5 +1,6 @@
-"""Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best.
+"""The stages ``standing`` and ``walking``: train a policy with PPO in chunks, keep the best.
 
+After each chunk are a check and a checkpoint.
 A chunk starts from the checkpoint before it with new robots, buffers and random numbers, in the
 same process or, where that was killed, in another one: the result has the same bytes.
 """
@@ -11,6 +12,8 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
+from importlib import import_module
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, cast
@@ -20,6 +23,10 @@ import pandas as pd
 import torch
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import WARP, TrainConfig
 from slider.control import POLICY_FILE
 from slider.control.policy import (
     STD,
@@ -31,14 +38,49 @@ from slider.control.policy import (
     save_policy,
 )
 from slider.core.errors import not_read
-from slider.core.job import Job
-from slider.env.vec_env import Task, WalkingEnv
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.vec_env import Task, WalkingEnv, task_of
+from slider.library.reader import STORE
 from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
 WEIGHTS = "weights.pt"
 CHECKPOINT, BEFORE = "checkpoint.pt", "checkpoint_before.pt"  # the last two, each with a digest
+
+
+def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Pre-train a policy that stands; it is not guided by the library."""
+    return _run(section, inputs, out, job, guided=False)
+
+
+def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Train walking, from the weights of another training and with the library, where given."""
+    return _run(section, inputs, out, job, guided=True)
+
+
+def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) -> Summary:
+    """Train, from the weights of another training where given, and export the best policy."""
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    train = from_dict(TrainConfig, section["train"])
+    library = inputs["library"][0] / STORE if "library" in inputs else None
+    trainer = Trainer(task_of(robot, env, train, library, guided), job, simulator(train))
+    if "start" in inputs:
+        trainer.start_from(inputs["start"][0] / WEIGHTS)
+    trainer.run()
+    return trainer.export(out)
+
+
+def simulator(train: TrainConfig) -> Callable[..., Any] | None:
+    """Constructor of MuJoCo Warp's physics (extra ``gpu``), where a training asks for it.
+
+    Raises:
+        UserError: MuJoCo Warp is not installed.
+    """
+    if train.simulator == "mujoco":
+        return None
+    warp = import_module(WARP)  # Table 1 does not depend on it
+    return partial(warp.WarpPhysics, device=train.device)
 
 
 class Trainer:

@@ -3,12 +3,16 @@
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
+from tempfile import mkdtemp
 
 import torch
 
+from slider.control import POLICY_FILE
+from slider.control.export import write_files
 from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS
+from tests import shared
 from tests.env.synthetic import config, gait_table
 
 HIDDEN = (24, 16)
@@ -39,3 +43,13 @@ def write_policy(path: Path, *overrides: str, only: Collection[str] = TERMS) -> 
     policy = make_policy(*overrides, only=only)
     save_policy(policy, path)
     return policy
+
+
+@shared.shared
+def exported() -> Path:
+    """Folder of such a policy and its exported files, once per test session: do not change it."""
+    folder = Path(mkdtemp(prefix="policy-", dir=shared.folder()))
+    write_policy(folder / POLICY_FILE)
+    estimator = config("experiment=test").env.estimator
+    write_files(folder / POLICY_FILE, {"recipe": "abc"}, folder, estimator)
+    return folder

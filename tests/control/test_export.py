@@ -17,18 +17,15 @@ from slider.env.observations import TERMS
 from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
 from tests.config.composed import CONF
-from tests.control.policies import make_policy, write_policy
+from tests.control.policies import exported, make_policy, write_policy
 from tests.env.synthetic import config, motor_angles
 
 SETTINGS = config("experiment=test").env.estimator
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("export")
-    write_policy(folder / POLICY_FILE)
-    write_files(folder / POLICY_FILE, {"recipe": "abc"}, folder, SETTINGS)
-    return folder
+@pytest.fixture
+def folder():
+    return exported()
 
 
 def test_another_network_is_refused(folder):

@@ -6,26 +6,16 @@ import shutil
 import pytest
 
 from slider.control import LAYOUT, ONNX
-from slider.control.export import write_files
 from slider.control.exported import load_exported, run
 from slider.core.errors import UserError
 from slider.core.files import digest_file
 from slider.core.job import Job
-from tests.control.policies import write_policy
-from tests.env.synthetic import config
-
-
-@pytest.fixture(scope="module")
-def exported(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("export")
-    write_policy(folder / "policy.pt")
-    settings = config("experiment=test").env.estimator
-    return folder, write_files(folder / "policy.pt", {}, folder, settings)
+from tests.control.policies import exported, make_policy
 
 
 @pytest.fixture
-def copy(exported, tmp_path):
-    return shutil.copytree(exported[0], tmp_path / "copy"), exported[1]
+def copy(tmp_path):
+    return shutil.copytree(exported(), tmp_path / "copy"), make_policy()
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,10 @@ import pytest
 
 from slider.config.convert import to_dict
 from slider.config.evaluation import AXES, LEVELS, TERRAINS, GaugeProtocol
-from slider.control.export import write_files
 from slider.core.job import Job
 from slider.evaluation import gauge
 from slider.evaluation.gauge import count_passes, disturbed, with_noisier_sensors, words
-from tests.control.policies import write_policy
+from tests.control.policies import exported
 from tests.env.synthetic import config
 
 SETTINGS = config().gauge
@@ -78,15 +77,6 @@ def test_sensors_on_board_err_more_and_controllers_without_them_stay():
     assert with_noisier_sensors(plain, 3.0) == plain
 
 
-@pytest.fixture(scope="module")
-def walking(tmp_path_factory):
-    """A policy with random weights, and its export."""
-    folder = tmp_path_factory.mktemp("walking")
-    write_policy(folder / "policy.pt")
-    write_files(folder / "policy.pt", {}, folder, config("experiment=test").env.estimator)
-    return folder
-
-
 def run(
     folder, out, axis: str, values: list[float], directions=(None,), source="walking"
 ) -> pd.DataFrame:
@@ -102,10 +92,8 @@ def run(
     return pd.read_csv(out / gauge.CSV)
 
 
-def test_levels_have_all_speeds_seeds_and_directions_up_to_one_that_nobody_passes(
-    walking, tmp_path
-):
-    table = run(walking, tmp_path / "out", "push", [0.01, 500.0, 600.0], (0.0, np.pi))
+def test_levels_have_all_speeds_seeds_and_directions_up_to_one_that_nobody_passes(tmp_path):
+    table = run(exported(), tmp_path / "out", "push", [0.01, 500.0, 600.0], (0.0, np.pi))
     assert len(table) == 3 * 2 * 2 * 2
     assert set(table["robots"]) == {3}
     assert list(table["seed"].unique()) == [1000, 1001]
@@ -116,8 +104,9 @@ def test_levels_have_all_speeds_seeds_and_directions_up_to_one_that_nobody_passe
     assert table[table["level"] > 1]["mean_velocity"].isna().all()
 
 
-def test_an_export_is_gauged_as_the_policy_that_it_is_of(walking, tmp_path):
+def test_an_export_is_gauged_as_the_policy_that_it_is_of(tmp_path):
     tables = [
-        run(walking, tmp_path / name, "tiles", [2.0], source=name) for name in ("walking", "policy")
+        run(exported(), tmp_path / name, "tiles", [2.0], source=name)
+        for name in ("walking", "policy")
     ]
     pd.testing.assert_frame_equal(*tables, atol=1e-5)

@@ -4,7 +4,6 @@ import re
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from slider.artefacts.manifest import Manifest
@@ -52,27 +51,20 @@ def test_the_overview_has_grid_holes_ranges_and_the_worst_residual(library, caps
     assert "worst residual: impact 1.0e-09" in text
 
 
-def test_show_prints_a_summary_and_draws(library, capsys, tmp_path: Path):
-    picture = tmp_path / "new" / "gait.svg"
-    arguments = ["gait", "show", "--vx", "0.5", "--library", str(library), "--out", str(picture)]
-    assert main(arguments) == 0
+def test_show_prints_a_summary(library, capsys):
+    assert main(["gait", "show", "--vx", "0.5", "--library", str(library)]) == 0
     text = capsys.readouterr().out
     assert "gait (0.5, 0) m/s: Solve_Succeeded, 30 iterations" in text
     assert "step time    0.395 s" in text
     assert re.search(r"^    voltage +\d+\.\d\d of 1 of the bus .* %  (left|right)_\w+$", text, re.M)
-    assert picture.stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("form", ["csv", "npz"])
-def test_export_writes_the_gait(library, capsys, tmp_path: Path, form):
-    out = tmp_path / f"gait.{form}"
+def test_export_writes_the_gait(library, capsys, tmp_path: Path):
+    out = tmp_path / "new" / "gait.csv"
     arguments = ["--vx", "0.6", "--vy", "0.1", "--library", str(library), "--out", str(out)]
-    assert main(["gait", "export", "--format", form, *arguments]) == 0
+    assert main(["gait", "export", *arguments]) == 0
     assert str(out) in capsys.readouterr().out
-    if form == "npz":
-        assert np.load(out)["velocities"].tolist() == [0.6, 0.1, 0.0]
-    else:
-        assert len(out.read_text().splitlines()) == 43
+    assert len(out.read_text().splitlines()) == 43
 
 
 def test_without_a_store_or_a_library_it_says_what_makes_one(job, library, refused, capsys):
@@ -90,7 +82,6 @@ def test_without_a_store_or_a_library_it_says_what_makes_one(job, library, refus
     [
         (["--vx", "0.52"], "found (0.52, 0) m/s; the nearest gait is at (0.5, 0) m/s"),
         (["--vx", "0.6"], "the gait (0.6, 0) m/s did not converge: Infeasible_Problem_Detected"),
-        (["--vx", "0.5", "--out", "gait.pdf"], "expected a name that ends in .svg or .png"),
         (["--vx", "0.5", "--library", "/tmp"], "expected a gait library at /tmp"),
     ],
 )

@@ -1,14 +1,14 @@
 """An evaluation comes back from its folder as it was, and its numbers are those by hand."""
 
 import json
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from slider.env.metrics import EstimateError, GaitQuality, Tracking
+from slider.env.metrics import ERRORS, QUALITY, TRACKING
 from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation, Z, wilson
 from tests.evaluation.test_segments import case, protocol, recording
@@ -17,11 +17,13 @@ from tests.evaluation.test_segments import case, protocol, recording
 def random_robots() -> pd.DataFrame:
     rng = np.random.default_rng(0)
     survived = np.array([True, True, False, True, False, True])
-    exponents = range(-4, len(fields(GaitQuality)) + 3)
-    numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
-    tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
-    quality, errors = GaitQuality(*numbers[7:]), EstimateError(*numbers[3:7])
-    return results.robots_frame(2, 3, ~survived, tracked, quality, errors)
+    names = (*TRACKING[1:4], *ERRORS, *QUALITY)
+    columns = {
+        name: np.where(survived, 10.0**k * rng.uniform(size=6), np.nan)
+        for k, name in enumerate(names, start=-4)
+    }
+    columns |= {"survived": survived, "tracked": survived & (np.arange(6) > 2)}
+    return results.robots_frame(2, 3, columns | {"diverged": ~survived})
 
 
 def make_robots(survived: list[list[int]], error: list[list[float]]) -> pd.DataFrame:
@@ -29,11 +31,11 @@ def make_robots(survived: list[list[int]], error: list[list[float]]) -> pd.DataF
     alive = np.array(survived, dtype=bool)
     errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
     tracked = alive & (np.arange(alive.shape[1]) == 0)
-    tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
-    quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
-    estimate = EstimateError(*(errors * k for k in range(4)))
+    columns = {name: errors * k for names in (QUALITY, ERRORS) for k, name in enumerate(names)}
+    columns |= {"survived": alive.ravel(), "squared_error": errors, "tracked": tracked.ravel()}
+    columns |= {"squared_error_steady": errors / 10, "mean_velocity": errors + 1}
     return results.robots_frame(
-        *alive.shape, np.zeros(alive.size, dtype=bool), tracking, quality, estimate
+        len(alive), alive.shape[1], columns | {"diverged": np.zeros(alive.size, bool)}
     )
 
 

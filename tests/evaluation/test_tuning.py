@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from slider.core.job import Job
-from slider.env.metrics import Tracking
 from slider.evaluation import tuning
 from slider.reports import tuning as report
 from tests.evaluation.test_baseline import section as baseline
@@ -40,7 +39,7 @@ def search(folder, name: str, trials: int = 3, seed: int = 1) -> pd.DataFrame:
 def test_a_share_of_falls_adds_to_the_error():
     survived = np.array([True] * 20 + [False] + [True] * 19 + [False] * 20)
     errors = np.where(survived, 0.02, np.nan)
-    tracked = Tracking(survived, errors, errors, errors, survived)
+    tracked = {"survived": survived, "squared_error_steady": errors}
     columns, score = tuning.scored(tracked, [1.0, 2.0, 3.0])
     rates = {"success_rate_1": 1.0, "success_rate_2": 0.95, "success_rate_3": 0.0}
     assert columns == pytest.approx(rates | {"error_1": 0.02, "error_2": 0.02, "error_3": 9.0})

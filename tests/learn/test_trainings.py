@@ -90,7 +90,7 @@ def test_standing_is_learned_in_half_a_minute(tmp_path):
     rate = falls(train(tmp_path / "after", "train.standing", 100))
     recording = roll(tmp_path / "after", 0.0)
     assert recording.survived.mean() >= 0.6
-    assert np.nanmean(gait_quality(recording, SETTLED).flight) < 0.1, "without hopping"
+    assert np.nanmean(gait_quality(recording, SETTLED)["flight"]) < 0.1, "without hopping"
     assert rate[-10:].mean() < 0.4 * rate[1:11].mean()
 
 
@@ -109,15 +109,15 @@ def test_walking_is_learned_in_a_minute(walked, tmp_path):
     folder, run = walked
     rate, recording = falls(run), roll(folder, SPEED)
     tracked, quality = tracking(recording, SETTLED, 0.1, 0.1), gait_quality(recording, SETTLED)
-    assert tracked.survived.mean() >= 0.9
-    assert np.nanmean(tracked.mean_velocity) == pytest.approx(SPEED, abs=0.04)
-    assert np.nanmean(tracked.squared_error_steady) < 0.004
-    assert np.nanmean(quality.touchdown_rate) == pytest.approx(1 / STEP_TIME, rel=0.03)
-    assert np.nanmean(quality.alternation) > 0.98
-    assert np.nanmean(quality.flight) < 0.005
-    assert np.nanmean(quality.double_support) < 0.2
-    assert np.nanmean(quality.clearance) > 0.05
-    assert np.nanmean(quality.heading) < 0.5
+    assert tracked["survived"].mean() >= 0.9
+    assert np.nanmean(tracked["mean_velocity"]) == pytest.approx(SPEED, abs=0.04)
+    assert np.nanmean(tracked["squared_error_steady"]) < 0.004
+    assert np.nanmean(quality["touchdown_rate"]) == pytest.approx(1 / STEP_TIME, rel=0.03)
+    assert np.nanmean(quality["alternation"]) > 0.98
+    assert np.nanmean(quality["flight"]) < 0.005
+    assert np.nanmean(quality["double_support"]) < 0.2
+    assert np.nanmean(quality["clearance"]) > 0.05
+    assert np.nanmean(quality["heading"]) < 0.5
     assert rate[-20:].mean() < 0.2 * rate[1:21].mean()
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.library.export import write_csv, write_npz
-from slider.library.reader import ARRAYS, GaitLibrary
+from slider.library.export import write_csv
+from slider.library.reader import GaitLibrary
 from tests.env.synthetic import CHANNELS, JOINTS
 from tests.library.gaits import library as make_library
 from tests.library.gaits import value
@@ -31,14 +31,3 @@ def test_csv_has_a_row_per_sample_and_units_in_its_header(library, tmp_path: Pat
     for column, values in expected.items():
         np.testing.assert_allclose(table[column], values, rtol=1e-9)
     assert set(table["stance"]) <= {"left", "right"}
-
-
-def test_npz_has_every_array_and_the_names_of_its_columns(library, tmp_path: Path):
-    write_npz(library, 1, tmp_path / "gait.out")
-    with np.load(tmp_path / "gait.out") as found:
-        for name in ARRAYS:
-            np.testing.assert_array_equal(found[name], library.arrays[name][1])
-        assert found["channel_names"].tolist() == list(CHANNELS)
-        assert found["constraint_names"].tolist() == ["impact", "torso"]
-        assert found["velocities"].tolist() == [0.5, 0.1, 0.0]
-        assert str(found["status"]) == "Solve_Succeeded"

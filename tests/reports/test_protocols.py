@@ -116,7 +116,7 @@ def test_sideways_has_its_mean_and_its_errors(cases):
     lateral = rollout.velocity[round(3.0 / PERIOD) :, :, 1].mean(axis=0)
     assert float(side["vy"]) == pytest.approx(lateral.mean(), rel=1e-5)
     assert float(side["vy_error"]) == pytest.approx(np.abs(lateral - 0.1).mean(), rel=1e-5)
-    found = tracking(rollout, 3.0, 0.1, 0.1).squared_error_steady
+    found = tracking(rollout, 3.0, 0.1, 0.1)["squared_error_steady"]
     assert float(side["mse_steady"]) == pytest.approx(found.mean(), rel=1e-5)
 
 

@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from slider.core.job import Job
-from slider.evaluation.results import QUALITY, quality
+from slider.env.metrics import QUALITY
+from slider.evaluation.results import quality
 from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports import table1

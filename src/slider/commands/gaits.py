@@ -3,18 +3,21 @@
 import argparse
 from pathlib import Path
 
+from slider.artefacts.current import add_store_argument, current_folder
+from slider.artefacts.store import Store
 from slider.commands import make_folder
 from slider.core.errors import require
-from slider.library.choose import add_library_arguments, library_path
-from slider.library.export import FORMATS, gait_lines, library_lines
-from slider.library.reader import GaitLibrary
+from slider.library.export import gait_lines, library_lines, write_csv
+from slider.library.reader import STORE, GaitLibrary
+
+_MAKE_LIBRARY = "snakemake -j2 gait_library"
 
 
 def library_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of ``library``."""
     actions = parser.add_subparsers(dest="action", required=True)
     show = actions.add_parser("show", help="grid, holes and their violated constraints, ranges")
-    add_library_arguments(show)
+    _add_library_arguments(show)
 
 
 def library(arguments: argparse.Namespace) -> None:
@@ -26,43 +29,55 @@ def library(arguments: argparse.Namespace) -> None:
 def gait_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of ``gait``."""
     actions = parser.add_subparsers(dest="action", required=True)
-    show = actions.add_parser("show", help="print a summary and draw the gait")
-    export = actions.add_parser("export", help="write the gait for other programs")
+    show = actions.add_parser("show", help="print a summary")
+    export = actions.add_parser("export", help="write the gait as CSV for other programs")
     for action in (show, export):
         action.add_argument("--vx", type=float, required=True, help="forward velocity [m/s]")
         action.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
         action.add_argument("--yaw-rate", type=float, default=0.0, help="[rad/s] (default: 0)")
-        add_library_arguments(action)
-    show.add_argument(
-        "--out", type=Path, help="picture, .svg or .png (default: reports/gaits/<vx>_<vy>.png)"
-    )
-    export.add_argument("--format", choices=FORMATS, required=True)
+        _add_library_arguments(action)
     export.add_argument("--out", type=Path, required=True, help="file to write")
 
 
 def gait(arguments: argparse.Namespace) -> None:
     """Show or export one gait."""
-    show = arguments.action == "show"
-    out: Path | None = arguments.out
-    is_file = out is None or not out.is_dir()
-    require(is_file, "--out", "the name of a file", f"the folder {out}")
-    drawn = not show or out is None or out.suffix in (".svg", ".png")
-    require(drawn, "--out", "a name that ends in .svg or .png", out)
     library = GaitLibrary.load(library_path(arguments))
     gait = library.find(arguments.vx, arguments.vy, arguments.yaw_rate)
-    if show:
+    if arguments.action == "show":
         print("\n".join(gait_lines(library, gait)))
-    if out is None:
-        vx, vy, yaw_rate = library.velocities[gait]
-        turn = f"_{yaw_rate:+.2f}" if yaw_rate else ""
-        out = Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}{turn}.png"
+        return
+    out: Path = arguments.out
+    require(not out.is_dir(), "--out", "the name of a file", f"the folder {out}")
     make_folder(out.parent)
-    if show:
-        from slider.reports.figures import gaits
-        from slider.reports.figures.style import save, style
-
-        with style():
-            save(gaits.draw_sheet(library, gait), out)
-    else:
-        FORMATS[arguments.format](library, gait, out)
+    write_csv(library, gait, out)
     print(f"{out} is ready")
+
+
+def _add_library_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that select a library."""
+    parser.add_argument(
+        "--library", type=Path, help="a library.zarr (default: that of the current configuration)"
+    )
+    add_store_argument(parser)
+
+
+def library_path(arguments: argparse.Namespace) -> Path:
+    """Path of the selected library.
+
+    Raises:
+        UserError: there is none yet.
+    """
+    if arguments.library is not None:
+        return arguments.library
+    return current_folder(Store(arguments.artefacts), "library", _MAKE_LIBRARY) / STORE
+
+
+def current_gaits(artefacts: Path) -> tuple[Path, Path]:
+    """Folders of the current library and its foot placement, which ``hzd`` walks by.
+
+    Raises:
+        UserError: there are none yet.
+    """
+    store, target = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
+    library, placement = (current_folder(store, s, target) for s in ("library", "foot_placement"))
+    return library, placement

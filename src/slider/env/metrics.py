@@ -1,6 +1,7 @@
-"""Numbers about one recorded rollout: per robot tracking and quality of the gait."""
+"""Numbers about one recorded rollout, columns per robot (N,): tracking and quality of the gait.
 
-from dataclasses import dataclass
+All are NaN where a robot fell.
+"""
 
 import numpy as np
 
@@ -9,31 +10,25 @@ from slider.env.rollout import Recording
 from slider.robot.kinematics import turn_to_heading
 
 TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
+TRACKING = ("survived", "squared_error", "squared_error_steady", "mean_velocity", "tracked")
+ERRORS = ("estimate_vx", "estimate_vy", "estimate_height", "estimate_tilt")
+QUALITY = (
+    *("flight", "double_support", "touchdown_rate", "contact_rate", "alternation", "clearance"),
+    *("slip", "penetration", "penetration_max", "heading", "asymmetry", "velocity_variance"),
+    *("cost_of_transport", "peak_effort", "peak_speed", "leg_distance", "legs_touch", "legs_cross"),
+)
+Columns = dict[str, np.ndarray]
+"""Values (N,) by the names of quantities."""
 
 
-@dataclass(frozen=True)
-class Tracking:
-    """Velocity tracking per robot (N,); NaN where a robot fell.
+def tracking(recording: Recording, warm_up: float, tolerance: float, relative: float) -> Columns:
+    """Velocity tracking, ``TRACKING``.
 
-    Attributes:
-        survived: no termination.
-        squared_error: mean over all control steps of (forward velocity − command)² [m²/s²].
-        squared_error_steady: the same from ``warm_up`` on.
-        mean_velocity: mean forward velocity from ``warm_up`` on [m/s].
-        tracked: survived and the mean velocity is close enough to the mean command from then on.
-    """
-
-    survived: np.ndarray
-    squared_error: np.ndarray
-    squared_error_steady: np.ndarray
-    mean_velocity: np.ndarray
-    tracked: np.ndarray
-
-
-def tracking(recording: Recording, warm_up: float, tolerance: float, relative: float) -> Tracking:
-    """Velocity tracking; tracked means |mean v − command| ≤ max(tolerance, relative·|command|).
-
-    The command is the forward one; where it changes, its mean from ``warm_up`` on counts.
+    ``survived``: no termination; ``squared_error``: mean over all control steps of (forward
+    velocity − command)² [m²/s²]; ``squared_error_steady``: the same from ``warm_up`` on;
+    ``mean_velocity``: forward, from ``warm_up`` on [m/s]; ``tracked``: survived and
+    |mean v − command| ≤ max(tolerance, relative·|command|). The command is the forward one; where
+    it changes, its mean from ``warm_up`` on counts.
     """
     first = round(warm_up / recording.period)
     survived = recording.survived
@@ -43,45 +38,32 @@ def tracking(recording: Recording, warm_up: float, tolerance: float, relative: f
     mean = forward[first:].mean(axis=0)
     target = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
     allowed = np.maximum(tolerance, relative * np.abs(target))
-    return Tracking(
-        survived=survived,
-        squared_error=_where(survived, error.mean(axis=0)),
-        squared_error_steady=_where(survived, error[first:].mean(axis=0)),
-        mean_velocity=_where(survived, mean),
-        tracked=survived & (np.abs(mean - target) <= allowed),
-    )
+    return {
+        "survived": survived,
+        "squared_error": _where(survived, error.mean(axis=0)),
+        "squared_error_steady": _where(survived, error[first:].mean(axis=0)),
+        "mean_velocity": _where(survived, mean),
+        "tracked": survived & (np.abs(mean - target) <= allowed),
+    }
 
 
-@dataclass(frozen=True)
-class EstimateError:
-    """Root mean square error per robot (N,) of the state that the controller receives.
+def estimate_error(recording: Recording, warm_up: float) -> Columns:
+    """Root mean square errors of the state that the controller receives, from ``warm_up`` on.
 
-    From ``warm_up`` on; NaN where a robot fell.
-
-    Attributes:
-        estimate_vx, estimate_vy: of the velocity in the heading frame [m/s].
-        estimate_height: of the base [m].
-        estimate_tilt: angle between the directions of gravity [rad].
+    ``ERRORS``: velocity in the heading frame [m/s], height of the base [m], angle between the
+    directions of gravity [rad].
     """
-
-    estimate_vx: np.ndarray
-    estimate_vy: np.ndarray
-    estimate_height: np.ndarray
-    estimate_tilt: np.ndarray
-
-
-def estimate_error(recording: Recording, warm_up: float) -> EstimateError:
-    """Errors of the received state."""
     errors = recording.estimate_error[round(warm_up / recording.period) :]
     rms = np.sqrt((errors.astype(float) ** 2).mean(axis=0))
-    return EstimateError(*_where(recording.survived[:, None], rms).T)
+    return dict(zip(ERRORS, _where(recording.survived[:, None], rms).T, strict=True))
 
 
-@dataclass(frozen=True)
-class GaitQuality:
-    """How a robot walks, per robot (N,), from ``warm_up`` on; NaN where a robot fell.
+def gait_quality(recording: Recording, warm_up: float) -> Columns:
+    """How robots walk from ``warm_up`` on, ``QUALITY``.
 
-    Attributes:
+    Contacts count at every simulation step, motion at every control step.
+
+    Returns:
         flight: share of time with no foot on the ground, bounces left out; see
             :func:`slider.env.instruments.in_contact`.
         double_support: share of time with both feet on the ground, likewise.
@@ -109,29 +91,6 @@ class GaitQuality:
         legs_cross: share of the whole rollout in which the middle of the left foot is to the right
             of that of the right one, in the heading frame.
     """
-
-    flight: np.ndarray
-    double_support: np.ndarray
-    touchdown_rate: np.ndarray
-    contact_rate: np.ndarray
-    alternation: np.ndarray
-    clearance: np.ndarray
-    slip: np.ndarray
-    penetration: np.ndarray
-    penetration_max: np.ndarray
-    heading: np.ndarray
-    asymmetry: np.ndarray
-    velocity_variance: np.ndarray
-    cost_of_transport: np.ndarray
-    peak_effort: np.ndarray
-    peak_speed: np.ndarray
-    leg_distance: np.ndarray
-    legs_touch: np.ndarray
-    legs_cross: np.ndarray
-
-
-def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
-    """Quality of the gait: contacts at every simulation step, motion at every control step."""
     first, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
     forces, per_second = recording.contacts.forces, 1.0 / recording.timestep
     contact = in_contact(forces, recording.timestep)
@@ -165,7 +124,7 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
         "legs_touch": (distance <= 0).mean(axis=0),
         "legs_cross": (apart < 0).mean(axis=0),
     }
-    return GaitQuality(**{name: _where(recording.survived, v) for name, v in values.items()})
+    return {name: _where(recording.survived, values[name]) for name in QUALITY}
 
 
 def heading_error(recording: Recording) -> np.ndarray:

@@ -3,25 +3,20 @@
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from slider.core import tables
-from slider.env.metrics import EstimateError, GaitQuality, Tracking
+from slider.env.metrics import ERRORS, QUALITY, TRACKING, Columns
 from slider.library.blend import GaitNumbers, gait_numbers
 from slider.library.reader import STORE, GaitLibrary
 
 METADATA, ROBOTS, VELOCITY = "metadata.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
-QUALITY = tuple(item.name for item in fields(GaitQuality))
-ERRORS = tuple(item.name for item in fields(EstimateError))
-COLUMNS = (
-    *("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, *ERRORS),
-    "diverged",
-)
+COLUMNS = ("trial", "robot", *TRACKING, *QUALITY, *ERRORS, "diverged")
 AXES = ("vx", "vy", "yaw_rate")
 # Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
 MEASURES = (
@@ -94,14 +89,9 @@ class Evaluation:
         )
 
 
-def robots_frame(
-    trials: int, count: int, diverged: np.ndarray, *metrics: Tracking | GaitQuality | EstimateError
-) -> pd.DataFrame:
+def robots_frame(trials: int, count: int, metrics: Columns) -> pd.DataFrame:
     """Rows with the metrics of robots, of which those of a trial stand next to each other."""
-    columns = places(trials, count)
-    for one in metrics:
-        columns |= vars(one)
-    return pd.DataFrame(columns | {"diverged": diverged})
+    return pd.DataFrame(places(trials, count) | metrics)[[*COLUMNS]]
 
 
 def places(trials: int, count: int) -> dict[str, np.ndarray]:

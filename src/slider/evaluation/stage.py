@@ -61,14 +61,9 @@ def run(
         progress=lambda share: job.progress(f"{100 * share:.0f} %"),
     )
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
-    robots = results.robots_frame(
-        config.trials,
-        config.robots,
-        recording.diverged,
-        tracking(recording, *limits),
-        gait_quality(recording, config.warm_up),
-        estimate_error(recording, config.warm_up),
-    )
+    metrics = tracking(recording, *limits) | gait_quality(recording, config.warm_up)
+    metrics |= estimate_error(recording, config.warm_up) | {"diverged": recording.diverged}
+    robots = results.robots_frame(config.trials, config.robots, metrics)
     forward = recording.velocity[:, recording.survived, 0]
     velocity = np.full((len(forward), 2), np.nan, dtype=np.float32)
     if forward.shape[1]:

@@ -22,7 +22,7 @@ from slider.config.convert import from_dict, setting, with_settings
 from slider.config.evaluation import EvaluationConfig, at_speed
 from slider.core import files, tables
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.metrics import Tracking, tracking
+from slider.env.metrics import Columns, tracking
 from slider.evaluation.stage import record
 
 CSV = "trials.csv"
@@ -107,12 +107,12 @@ def _measure(
     return scored(tracking(recording, *limits), section["speeds"])
 
 
-def scored(tracked: Tracking, speeds: list[float]) -> tuple[dict[str, float], float]:
+def scored(tracked: Columns, speeds: list[float]) -> tuple[dict[str, float], float]:
     """Success and error of each speed [m/s], and the score, of robots in blocks of a speed."""
     columns: dict[str, float] = {}
     scores, blocks = [], (len(speeds), -1)
     survived, errors = (
-        each.reshape(blocks) for each in (tracked.survived, tracked.squared_error_steady)
+        tracked[name].reshape(blocks) for name in ("survived", "squared_error_steady")
     )
     for speed, alive, squares in zip(speeds, survived, errors, strict=True):
         share = float(alive.mean())

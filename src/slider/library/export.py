@@ -1,9 +1,8 @@
-"""A gait or a library for people and other programs: summaries as text, one gait as CSV or NPZ.
+"""A gait or a library for people and other programs: summaries as text, one gait as CSV.
 
-Columns of the files are in ``docs/reference/gait-library.md``.
+Columns of the file are in ``docs/reference/gait-library.md``.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -129,21 +128,3 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
         for label, unit, values in zip(texts, units, arrays[array].T, strict=True):
             columns[f"{label} [{unit}]"] = values
     pd.DataFrame(columns).to_csv(path, index=False, float_format="%.10g", lineterminator="\n")
-
-
-def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
-    """Write the library's arrays of one gait, without the axis of the gaits, and their labels."""
-    arrays = {name: library.arrays[name][gait] for name in (*ARRAYS, *reader.COORDINATES)}
-    geometry = library.robot.geometry
-    named = reader.labels(geometry) | {reader.CONSTRAINT: library.constraints}
-    texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in named.items()}
-    arrays["status"] = np.array(str(arrays["status"]))
-    units = np.array(channel_units(geometry), dtype=str)
-    with path.open("wb") as file:  # else numpy appends .npz to other names
-        np.savez(file, allow_pickle=False, channel_units=units, **arrays, **texts)
-
-
-FORMATS: dict[str, Callable[[GaitLibrary, int, Path], None]] = {
-    "csv": write_csv,
-    "npz": write_npz,
-}

@@ -12,11 +12,6 @@ from slider.robot.transmission import Transmission
 _SPEEDS = slice(NUM_JOINTS, 2 * NUM_JOINTS)
 
 
-def motor_torques(library: GaitLibrary, gait: int) -> np.ndarray:
-    """Torques (S, 10) of all motors over a walk [N m]."""
-    return Transmission.of(library.robot).torques(library.arrays["efforts"][gait])
-
-
 def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
     """Greatest torque / limit and voltage / bus voltage (G, 10) of all motors over each walk."""
     speeds = library.arrays["samples"][..., _SPEEDS]

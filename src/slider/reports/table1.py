@@ -14,7 +14,7 @@ from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import decimals, speed_text
 from slider.core.tables import Table, escape
-from slider.evaluation.results import ERRORS
+from slider.env.metrics import ERRORS
 from slider.reports import report
 from slider.reports.quantities import PAPER, PAPER_ROBOT, QUANTITIES, quantity
 from slider.reports.report import NAMED, write_document

@@ -70,8 +70,8 @@ class Selector:
         )
         tracked = tracking(recording, config.warm_up, 0.1, 0.1)
         command = self._command[:, 0]
-        success = float(tracked.survived.mean())
-        error = _mean(tracked.squared_error_steady / (0.01 + 0.01 * command**2))
+        success = float(tracked["survived"].mean())
+        error = _mean(tracked["squared_error_steady"] / (0.01 + 0.01 * command**2))
         bound = config.fall_weight / 2
         value = config.fall_weight * (1.0 - success)
         if success > 0:
@@ -79,8 +79,8 @@ class Selector:
         return Score(
             value=value,
             success=success,
-            speed_error=_mean(np.abs(tracked.mean_velocity - command)),
-            flight=_mean(gait_quality(recording, config.warm_up).flight),
+            speed_error=_mean(np.abs(tracked["mean_velocity"] - command)),
+            flight=_mean(gait_quality(recording, config.warm_up)["flight"]),
         )
 
 

@@ -1,4 +1,4 @@
-"""Gaits: limit cycles, postures over a walk, and one gait on one page."""
+"""Gaits: limit cycles, and postures over a walk."""
 
 from collections.abc import Sequence
 
@@ -11,13 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from slider.library.blend import blend
-from slider.library.measures import foot_heights, motor_torques
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, LIGHT, MIDDLE, new_figure
-from slider.robot import names
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
-from slider.robot.names import LEG_MOTORS, NUM_JOINTS, SIDES, velocity_text
-from slider.robot.transmission import by_motor
+from slider.robot.names import LEG_MOTORS, NUM_JOINTS
 
 CYCLES_CAPTION = """\
 Position against velocity of the left leg's joints over one walk (two steps), one closed curve per
@@ -154,59 +151,3 @@ def _draw_leg(
     look = {"facecolor": MIDDLE if loaded else "white", "edgecolor": colour, "linewidth": 0.9}
     shape = np.array([points[_ANKLE], *foot])[:, [0, 2]]
     axes.add_patch(Polygon(shape, joinstyle="round", zorder=order + 0.5, **look))
-
-
-_LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}
-_HEIGHTS = (1.35, 1.15, 1.15, 1.15)  # of the rows [inch]
-
-
-def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
-    """Draw the gait with an index of the library; ``style()`` must be active."""
-    figure = new_figure(sum(_HEIGHTS) + 1.4)
-    heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
-    tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
-    figure.suptitle(f"gait at {velocity_text(library.velocities[gait])}", fontsize=9)
-    draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
-    panels = plots.subplots(3, 5, sharex=True)
-    samples, torques = library.arrays["samples"][gait], motor_torques(library, gait)
-    slides = library.robot.geometry.knee is None
-    geometry, legs = library.robot.geometry, range(len(SIDES))
-    for column, axes in enumerate(panels[0]):
-        joint = geometry.leg_joints[column]
-        title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' and slides else 'rad'}]"
-        columns = [leg * names.LEG_SIZE + column for leg in legs]
-        _over_time(axes, library, gait, samples[:, columns], title)
-    drives = by_motor(library.robot, library.robot.drives)
-    motors = names.motor_names(geometry)
-    for column, (axes, drive) in enumerate(zip(panels[1], drives, strict=True)):
-        motor = motors[column].removeprefix(f"{SIDES[0]}_")
-        title = f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]"
-        columns = [leg * LEG_MOTORS + column for leg in legs]
-        _over_time(axes, library, gait, torques[:, columns], title)
-    panels[0, 0].legend()
-    stands = library.arrays["contact"][gait][:, :2] > 0
-    force = library.arrays["ground_wrench"][gait][:, 2:3]
-    columns = [NUM_JOINTS + leg * names.LEG_SIZE + names.EXTENSION for leg in legs]
-    ground = {
-        "ground force z [N]": np.where(stands, force, np.nan),
-        "foot height [cm]": 100 * foot_heights(library, gait),
-        "base forward [m/s]": samples[:, -2:-1],
-        f"slide speed [{'m' if slides else 'rad'}/s]": samples[:, columns],
-        "base leftward [m/s]": samples[:, -1:],
-    }
-    for axes, (title, values) in zip(panels[2], ground.items(), strict=True):
-        _over_time(axes, library, gait, values, title)
-        axes.set_xlabel("time [s]")
-    return figure
-
-
-def _over_time(axes: Axes, library: GaitLibrary, gait: int, values: np.ndarray, title: str) -> None:
-    """Values (N, 2) of left and right, or (N, 1); in pieces, as they jump at the touchdown."""
-    time = library.arrays["time"][gait]
-    half = len(time) // 2
-    for column, side in zip(values.T, SIDES, strict=False):
-        colour, dash = _LINES[side]
-        for piece, label in ((slice(0, half), side), (slice(half, None), None)):
-            axes.plot(time[piece], column[piece], dash, color=colour, label=label)
-    axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
-    axes.set_title(title, fontsize=7)

@@ -64,14 +64,6 @@ def legend_above(figure: Figure, *handles_and_names: Any) -> None:
     figure.legend(*handles_and_names, loc="outside upper center", ncols=3)
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write SVG or PNG, by the file's ending, without dates or versions in it."""
-    suffix = path.suffix.lstrip(".")
-    metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}[suffix]
-    with style():
-        figure.savefig(path, format=suffix, metadata=metadata)
-
-
 def write_figure(stem: Path, title: str, draw: Callable[[], Figure], caption: str) -> None:
     """Write ``stem``.svg and .md; ``draw`` is called in the common style."""
     write_pictures(stem, draw)
@@ -87,7 +79,8 @@ def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
             figure.draw_without_rendering()
         figure.set_layout_engine("none")
         _round_layout(figure)
-        save(figure, stem.with_name(f"{stem.name}.svg"))
+        path = stem.with_name(f"{stem.name}.svg")
+        figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
 
 
 def _round_layout(figure: Figure) -> None:

@@ -78,8 +78,9 @@ def report_files(config: Config) -> dict[str, tuple[str, ...]]:
 
 def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     """Files of a study; learning curves where it trains, by default all that there can be."""
-    curves = (f"{name}_curves.csv",) if study is None or study.training else ()
-    return (*compared(name), f"{name}_runs.csv", *curves)
+    table, text, picture = compared(name)
+    curves = (f"{name}_curves.csv", picture) if study is None or study.training else ()
+    return (table, text, f"{name}_runs.csv", *curves)
 
 
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:

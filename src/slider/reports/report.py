@@ -76,10 +76,11 @@ def write(
     title: str,
     robot: str,
     frame: pd.DataFrame,
-    draw: Callable[[], Figure],
+    draw: Callable[[], Figure] | None,
     parts: Iterable[str | Table],
 ) -> None:
-    """Write ``stem``.csv, .svg and .md."""
+    """Write ``stem``.csv and .md, and .svg of what is drawn."""
     tables.write(frame, stem.with_suffix(".csv"))
-    write_pictures(stem, draw)
+    if draw is not None:
+        write_pictures(stem, draw)
     write_document(stem.with_suffix(".md"), title, robot, parts)

@@ -1,4 +1,4 @@
-"""The stage ``study``: variants compared by metrics, as tables and a figure."""
+"""The stage ``study``: variants compared by metrics, as tables; learning curves of trainings."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -27,7 +27,7 @@ from slider.training.results import Training
 WALKS = 0.95
 """Share of robots that survive a check of a policy that has learned to walk."""
 SHOWN = 30
-"""Variants in table and figure; of more those with the greatest changes."""
+"""Variants in the tables; of more those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (
     *("count", "mean", "std", "least", "greatest", "low", "high"),
@@ -41,9 +41,9 @@ _CHECKS = ("success", "speed_error", "flight")
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md`` and ``.svg``.
+    """Write ``NAME.csv``, ``NAME_runs.csv`` and ``NAME.md``.
 
-    Where variants are trained also ``NAME_curves.csv``.
+    Where variants are trained also ``NAME_curves.csv`` and ``.svg``.
     """
     name = section["name"]
     curves = _curves(section, inputs)
@@ -51,10 +51,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     runs = runs.groupby(KEYS, sort=False, dropna=False, as_index=False).first()
     summary = summarise(runs, section["variants"], section["metrics"])
     tables.write(runs, out / f"{name}_runs.csv")
+    title, parts, drawn = name.replace("_", " ").capitalize(), [*blocks(name, summary)], None
     if "walking" in inputs:
         tables.write(curves, out / f"{name}_curves.csv")
-    title, parts = name.replace("_", " ").capitalize(), blocks(name, summary)
-    drawn = partial(figure.draw, strongest(summary), curves)
+        shown = strongest(summary).dropna(subset="metric")
+        drawn = partial(
+            figure.draw, curves, dict(zip(shown["variant"], shown["label"], strict=True))
+        )
+        parts.insert(1, picture(name))
     report.write(out / name, title, section["robot"], summary, drawn, parts)
     return {"runs": len(runs), "variants": len(section["variants"])}
 
@@ -217,14 +221,13 @@ def strongest(summary: pd.DataFrame) -> pd.DataFrame:
 
 
 def blocks(name: str, summary: pd.DataFrame) -> Iterator[str | Table]:
-    """Figure and tables of a study: per metric variants down, speeds across."""
+    """Tables of a study: per metric variants down, speeds across."""
     shown, count = strongest(summary), summary["variant"].nunique()
     yield (
         "Means over runs (least to greatest); of a single run with its 95 % interval where there "
         "is one. Errors and quality are those of surviving robots. \\*: the 95 % interval of the "
         f"change against the first row excludes 0. `{name}.csv` has all {count} variants."
     )
-    yield picture(name)
     yield _variants(shown)
     for metric, mine in shown.dropna(subset="metric").groupby("metric", sort=False):
         yield _table(quantity(str(metric)), mine)

@@ -71,7 +71,9 @@ def _check_names(config: Config) -> None:
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     """What people read of each target below the working directory: copies out of the store."""
     files = {name: stage.files for name, stage in STAGES.items() if stage.files}
-    files |= {name: compared(name) for name in config.protocols}
+    for name, protocol in config.protocols.items():
+        drawn = protocol.profile is None or protocol.profile.rows != "cases"
+        files[name] = compared(name) if drawn else compared(name)[:2]
     files |= {name: _studied(name, study) for name, study in config.study.items()}
     return {name: tuple(f"reports/{file}" for file in own) for name, own in files.items()}
 

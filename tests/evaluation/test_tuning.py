@@ -111,4 +111,3 @@ def test_the_table_has_present_and_best_values(whole, tmp_path):
     assert "| Success rate [%], present | 100 | 100 |" in text
     rows = pd.read_csv(tmp_path / "out" / "baseline_tuning.csv")
     assert list(rows["controller"]) == 6 * ["mpc_wbc_tuned"]
-    assert (tmp_path / "out" / "baseline_tuning.svg").is_file()

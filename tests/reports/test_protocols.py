@@ -227,9 +227,9 @@ def test_the_job_waits_for_the_speeds_that_it_shows_alone():
         (protocols.TRACKING, lambda folder: report_tracking(folder, "policy")),
     ],
 )
-def test_each_report_is_three_files(name, write, tmp_path):
+def test_each_report_is_its_files(name, write, tmp_path):
     found = {path.name for path in write(tmp_path / "report").iterdir()}
-    assert found == {f"{name}.{x}" for x in ("csv", "md", "svg")}
+    assert found == {f"{name}.{x}" for x in ("csv", "md", "svg")[: 2 if name == "heldout" else 3]}
 
 
 def test_mean_speeds_have_their_spread_between_robots(tmp_path):

@@ -1,7 +1,7 @@
 """Stages of figures and tables from evaluations: velocity over time, and the protocols' reports.
 
 A protocol is of constant speeds (``sweep``), of segments of one case (``joystick``), or of cases
-(``heldout``); each has a table, a figure and their explanation.
+(``heldout``); each has tables, the first two a figure, and their explanation.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -66,8 +66,7 @@ deviation from the commanded heading, the integral of the yaw rate; touchdowns a
 feet; the displacement is how far the base got. `{name}.csv` has all numbers.
 """
 _CASES_CAPTION = """\
-Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's 95 %
-interval. {trials} trials of {robots} robots per controller and case, {duration:g} s each, from
+{trials} trials of {robots} robots per controller and case, {duration:g} s each, from
 rest. A robot survives a case if it stays up for all of it. The other numbers are those of
 survivors, from {settled:g} s after the case's last command on. Where that command is zero, a robot
 stands if all means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest
@@ -122,7 +121,7 @@ def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Itera
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``NAME.csv``, ``NAME.md`` and ``NAME.svg`` of a protocol."""
+    """Write ``NAME.csv``, ``NAME.md`` and, but for cases, ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     evaluations = report.load(inputs["evaluations"], section["labels"])
     title, caption, frame_of, draw, tables_of = _KINDS[_kind(protocol)]
@@ -130,8 +129,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
     if profile := protocol.profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
-    parts = [picture(name), caption.format(**vars(protocol), **values), *tables_of(frame)]
-    figure = partial(draw, frame, evaluations, protocol)
+    parts = [caption.format(**vars(protocol), **values), *tables_of(frame)]
+    figure = None
+    if draw is not None:
+        figure = partial(draw, frame, evaluations, protocol)
+        parts.insert(0, picture(name))
     report.write(out / name, f"{title}: {name}", section["robot"], frame, figure, parts)
     if protocol.profile is not None:
         rates = frame.groupby("controller", sort=False)["success_rate"]
@@ -283,7 +285,7 @@ def _ends(row: Mapping[str, float], name: str) -> list[float]:
     return [row.get(f"{prefix}_{end}", np.nan) for end in ("low", "high")]
 
 
-_KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {
+_KINDS: dict[str, tuple[str, str, Callable, Callable | None, Callable]] = {
     "speeds": (
         "Mean speed over the commanded speed",
         _SPEEDS_CAPTION,
@@ -302,7 +304,7 @@ _KINDS: dict[str, tuple[str, str, Callable, Callable, Callable]] = {
         "Cases",
         _CASES_CAPTION,
         _cases,
-        lambda frame, evaluations, protocol: walking.draw_cases(frame),
+        None,
         _case_tables,
     ),
 }

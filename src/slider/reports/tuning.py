@@ -1,12 +1,10 @@
 """The stage ``baseline_tuning``: what the searches for settings found, present and best values."""
 
 from collections.abc import Iterator, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from matplotlib.figure import Figure
 
 from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
@@ -14,9 +12,7 @@ from slider.core.quantities import speed_text
 from slider.core.tables import Table
 from slider.evaluation.tuning import CSV, ERROR, FINALIST, SUCCESS
 from slider.reports import report
-from slider.reports.figures.style import colour, new_figure
 from slider.reports.quantities import QUANTITIES
-from slider.reports.report import picture
 
 _CAPTION = """\
 The score is the mean over the commands v of log10(e / v² + f / 10), with e the mean squared
@@ -26,15 +22,14 @@ present one. The tables show finalists, which have more robots.
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write all trials as ``baseline_tuning.csv``, present and best ones as Markdown, a figure."""
+    """Write all trials as ``baseline_tuning.csv``, present and best ones as Markdown."""
     labels = section["labels"]
     found = [tables.read(folder / CSV) for folder in inputs["searches"]]
     searches = dict(zip(labels, found, strict=True))
     frame = pd.concat(searches, names=["controller"]).reset_index("controller")
     texts = [table for name, mine in searches.items() for table in _tables(name, mine, section)]
-    parts = [_CAPTION, picture("baseline_tuning"), *texts]
-    figure = partial(_draw, searches, labels)
-    report.write(out / "baseline_tuning", "Tuned baselines", section["robot"], frame, figure, parts)
+    title, parts = "Tuned baselines", [_CAPTION, *texts]
+    report.write(out / "baseline_tuning", title, section["robot"], frame, None, parts)
     scores = {name: float(_present_and_best(mine)[1]["score"]) for name, mine in searches.items()}
     return {"trials": len(frame), "scores": scores}
 
@@ -64,15 +59,3 @@ def _tables(name: str, trials: pd.DataFrame, section: Mapping[str, Any]) -> Iter
             texts = (shown.text(row[f"{key}_{speed}"]) for speed in speeds)
             lines.append([f"{shown.heading}, {title}", *texts])
     yield Table(["command [m/s]", *(speed_text(float(speed)) for speed in speeds)], lines)
-
-
-def _draw(searches: Mapping[str, pd.DataFrame], labels: Mapping[str, str]) -> Figure:
-    """Best score so far, over the trials."""
-    figure = new_figure(2.6)
-    axes = figure.add_subplot()
-    for index, (name, mine) in enumerate(searches.items()):
-        best = mine["score"][mine[FINALIST] == 0].cummin()
-        axes.step(range(len(best)), best, where="post", color=colour(index), label=labels[name])
-    axes.set(xlabel="trial", ylabel="best score so far")
-    axes.legend()
-    return figure

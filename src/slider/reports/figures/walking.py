@@ -20,7 +20,6 @@ _LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
 _DASHES = ("-", "--", "-.", ":")
 _MARGIN = 0.15  # [inch]; the layout does not see the labels of the logarithmic axis
 _LABELS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
-_ROW, _REST = 0.19, 1.0  # height of a case and of the rest [inch]
 _MARKERS = "os^vDPX"
 _CHECKS = {  # column of the checks → axis
     "success": "share that survives",
@@ -128,27 +127,6 @@ def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
 def _times(values: np.ndarray, duration: float) -> np.ndarray:
     """Ends of the control steps [s]."""
     return duration * np.arange(1, len(values) + 1) / len(values)
-
-
-def draw_cases(frame: pd.DataFrame) -> Figure:
-    """Cases down; dots for the share that survives, rings for the share that stands."""
-    cases, controllers = list(frame["case"].unique()), frame.groupby("label", sort=False)
-    figure = new_figure(_REST + _ROW * len(cases))
-    axes = figure.subplots()
-    for index, (label, mine) in enumerate(controllers):
-        offset = 0.5 * ((index + 0.5) / len(controllers) - 0.5)
-        places = mine["case"].map(cases.index) + offset
-        tint = colour(index)
-        looks = (("success", tint, 0.0, label), ("standing", "white", 0.2, f"{label}, standing"))
-        for prefix, face, shift, name in looks:
-            rate, low, high = (mine[f"{prefix}_{end}"] for end in ("rate", "low", "high"))
-            bars = np.abs(np.stack([rate - low, high - rate]))
-            look = {"color": tint, "markerfacecolor": face, "markersize": 4, "elinewidth": 0.8}
-            axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
-    axes.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
-    axes.set_yticks(range(len(cases)), cases)
-    legend_above(figure)
-    return figure
 
 
 _PANEL_HEIGHT = 2.1  # height [inch]

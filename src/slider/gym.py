@@ -21,8 +21,7 @@ from slider.artefacts.store import Store
 from slider.composition.compose import compose
 from slider.env.terms import checked, uses_library
 from slider.env.vec_env import WalkingEnv, task_of
-from slider.library.choose import MAKE_LIBRARY
-from slider.library.reader import STORE
+from slider.library.reader import MAKE_LIBRARY, STORE
 
 
 class WalkingVectorEnv(VectorEnv):

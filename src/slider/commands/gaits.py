@@ -8,9 +8,7 @@ from slider.artefacts.store import Store
 from slider.commands import make_folder
 from slider.core.errors import require
 from slider.library.export import gait_lines, library_lines, write_csv
-from slider.library.reader import STORE, GaitLibrary
-
-_MAKE_LIBRARY = "snakemake -j2 gait_library"
+from slider.library.reader import MAKE_LIBRARY, STORE, GaitLibrary
 
 
 def library_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +67,7 @@ def library_path(arguments: argparse.Namespace) -> Path:
     """
     if arguments.library is not None:
         return arguments.library
-    return current_folder(Store(arguments.artefacts), "library", _MAKE_LIBRARY) / STORE
+    return current_folder(Store(arguments.artefacts), "library", MAKE_LIBRARY) / STORE
 
 
 def current_gaits(artefacts: Path) -> tuple[Path, Path]:

@@ -92,7 +92,8 @@ OUTCOME = ("holes", "cost_unit")
 
 
 _NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
-_REMAKE = "make it again with `snakemake -j2 gait_library`"
+MAKE_LIBRARY = "snakemake -j2 gait_library"
+_REMAKE = f"make it again with `{MAKE_LIBRARY}`"
 _SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
 

@@ -13,10 +13,11 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from slider.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.env import terminations
 from slider.env.instruments import Contacts, DriveLoads, join, over
 from slider.env.physics import BatchedPhysics
+from slider.env.starts import at_rest
 from slider.env.state import RobotState
 from slider.env.terrain import Terrain
 from slider.robot.names import GRAVITY
@@ -218,24 +219,33 @@ def mean_speed(frames: Sequence[Frame]) -> float:
 
 
 class Episode:
-    """A controller and one simulated robot, as videos and the viewer show it."""
+    """A controller and one simulated robot that starts at rest, as videos and the viewer show it.
+
+    ``noise`` is that of the starts; ``period`` is the time between two frames [s]. Velocities (3,)
+    are the command: vx, vy [m/s], yaw rate [rad/s].
+    """
 
     def __init__(
-        self, controller: Controller, physics: BatchedPhysics, config: EnvConfig | PlantConfig
+        self,
+        controller: Controller,
+        physics: BatchedPhysics,
+        config: EnvConfig | PlantConfig,
+        noise: StartNoise,
+        seed: int,
     ) -> None:
+        self.period = config.control_period
         self._controller, self._physics, self._config = controller, physics, config
+        self._noise, self._generator = noise, np.random.default_rng(seed)
         self._ticks = round(config.control_period / physics.period)
         self._state: RobotState = physics.read()
         self._steps = 0
 
-    def start(self, qpos: np.ndarray, qvel: np.ndarray, velocity: np.ndarray) -> Frame:
-        """Place the robot at positions (1, 19) and velocities (1, 18).
-
-        ``velocity`` (1, 3) is the command: vx, vy [m/s], yaw rate [rad/s].
-        """
-        self._physics.reset(np.arange(1), qpos, qvel)
+    def start(self, velocity: np.ndarray) -> Frame:
+        """Place the robot at rest, with new noise."""
+        place = at_rest(self._physics.robot, self._noise, self._generator, 1)
+        self._physics.reset(np.arange(1), *place)
         self._state, self._steps = self._physics.read(), 0
-        self._controller.reset(self._physics.measure(self._state), velocity)
+        self._controller.reset(self._physics.measure(self._state), velocity[None].copy())
         return self._frame()
 
     @property
@@ -243,12 +253,9 @@ class Episode:
         """Uneven ground, if there is any."""
         return self._physics.terrain
 
-    def set_velocity(self, velocity: np.ndarray) -> None:
-        """Command ``velocity`` (1, 3) from the next step on."""
-        self._controller.set_velocity(velocity)
-
-    def step(self) -> Frame:
+    def step(self, velocity: np.ndarray) -> Frame:
         """Simulate one control period."""
+        self._controller.set_velocity(velocity[None].copy())
         self._state, *_ = run_ticks(self._controller, self._physics, self._state, self._ticks)
         self._steps += 1
         return self._frame()

@@ -25,8 +25,7 @@ from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Episode, Frame
-from slider.env.starts import at_rest, multiply_quaternions
-from slider.env.terrain import Terrain
+from slider.env.starts import multiply_quaternions
 from slider.library.lookup import StepTimes
 from slider.library.mesh import distances
 from slider.library.reader import GaitLibrary
@@ -69,7 +68,7 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     physics = BatchedPhysics(
         robot, env.physics, 1, 1, disturbance=disturbance, onboard=env.estimation
     )
-    motion = Simulation(Episode(controller, physics, env), env.control_period, config, robot, seed)
+    motion = Episode(controller, physics, env, config.evaluation.start, seed)
     return Scene(f"policy {path}", robot, motion, config.speeds.top)
 
 
@@ -94,16 +93,16 @@ def agent_scene(
     one_of("agent", name, (POLICY, *config.control, *SMOKE_AGENTS))
     robot, env = config.robot, config.env
     if name in SMOKE_AGENTS:
-        episode = _smoke_agent(robot, env, seed, random=name == "random")
+        env = replace(env, action=replace(env.action, offset="nominal"))
+        controller, physics = _smoke_agent(robot, env, seed, random=name == "random")
     else:
-        plant, control, enforced = env.plant, config.control[name], None
+        env, control, enforced = env.plant, config.control[name], None
         if isinstance(control, HzdControlConfig):
             enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
         disturbance = Disturbance(config.evaluation.disturbance, (seed,))
-        physics = build_plant(robot, plant, control, 1, disturbance)
-        controller = build_controller(robot, control, plant.physics, 1, enforced)
-        episode = Episode(controller, physics, plant)
-    motion = Simulation(episode, env.control_period, config, robot, seed)
+        physics = build_plant(robot, env, control, 1, disturbance)
+        controller = build_controller(robot, control, env.physics, 1, enforced)
+    motion = Episode(controller, physics, env, config.evaluation.start, seed)
     kind = "agent" if name in SMOKE_AGENTS else "controller"
     return Scene(f"{kind} {name}", robot, motion, config.speeds.top)
 
@@ -116,42 +115,10 @@ def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)
 
 
-class Simulation:
-    """One simulated robot and its controller, which start at rest with ``evaluation.start``.
-
-    ``period`` is the time between two frames [s].
-    """
-
-    def __init__(
-        self, episode: Episode, period: float, config: Config, robot: RobotConfig, seed: int
-    ) -> None:
-        self.period = period
-        self._episode, self._robot, self._noise = episode, robot, config.evaluation.start
-        self._generator = np.random.default_rng(seed)
-
-    @property
-    def terrain(self) -> Terrain | None:
-        """Uneven ground, if there is any."""
-        return self._episode.terrain
-
-    def start(self, velocity: np.ndarray) -> Frame:
-        """Place the robot at rest, with new noise."""
-        place = at_rest(self._robot, self._noise, self._generator, 1)
-        return self._episode.start(*place, velocity[None].copy())
-
-    def step(self, velocity: np.ndarray) -> Frame:
-        """Simulate one control period."""
-        self._episode.set_velocity(velocity[None].copy())
-        return self._episode.step()
-
-    def push(self, change: np.ndarray) -> None:
-        """Change the base's velocity by (2,) [m/s]."""
-        self._episode.push(change)
-
-
-def _smoke_agent(robot: RobotConfig, env: EnvConfig, seed: int, random: bool) -> Episode:
+def _smoke_agent(
+    robot: RobotConfig, env: EnvConfig, seed: int, random: bool
+) -> tuple[PolicyController, BatchedPhysics]:
     """An agent that holds the nominal pose, or whose actions are uniform in ±1."""
-    env = replace(env, action=replace(env.action, offset="nominal"))
     agent = AgentInterface(robot, env, 1, StepTimes.constant(_STEP_TIME))
     generator = torch.Generator().manual_seed(seed)
 
@@ -160,8 +127,7 @@ def _smoke_agent(robot: RobotConfig, env: EnvConfig, seed: int, random: bool) ->
             return torch.zeros(1, NUM_JOINTS)
         return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
 
-    physics = BatchedPhysics(robot, env.physics, 1, 1)
-    return Episode(PolicyController(network, agent), physics, env)
+    return PolicyController(network, agent), BatchedPhysics(robot, env.physics, 1, 1)
 
 
 class Replay:
@@ -216,5 +182,5 @@ class Replay:
         qpos[3:7] = multiply_quaternions(turn, qpos[None, 3:7])[0]
 
 
-Motion = Simulation | Replay
+Motion = Episode | Replay
 """Frames at a fixed period [s] of a robot that is commanded to a velocity (3,)."""

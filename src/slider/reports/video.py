@@ -27,7 +27,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     from slider.env.disturbance import Disturbance
     from slider.env.rollout import Episode, mean_speed
-    from slider.env.starts import at_rest
     from slider.evaluation.stage import set_up
     from slider.reports import film
 
@@ -36,11 +35,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     noise = from_dict(StartNoise, section["start"])
     config = from_dict(DisturbanceConfig, section["disturbance"])
     one = set_up(section, inputs, 1, Disturbance(config, (video.seed,)), job.threads)
-    episode = Episode(*one)
-    start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
-    frames = [episode.start(*start, np.array([[section["speed"], 0.0, 0.0]]))]
-    period, terrain = one.env.control_period, one.physics.terrain
-    frames += [episode.step() for _ in range(round(video.duration / period))]
+    episode, velocity = Episode(*one, noise, video.seed), np.array([section["speed"], 0.0, 0.0])
+    frames, terrain = [episode.start(velocity)], episode.terrain
+    frames += [episode.step(velocity) for _ in range(round(video.duration / episode.period))]
     relief = None if terrain is None else film.relief(terrain.ground, frames)
     shown = frames[:: round(1.0 / (video.frame_rate * (frames[1].time - frames[0].time)))]
     pictures = film.render(robot, shown, (video.width, video.height), video.cameras, relief)

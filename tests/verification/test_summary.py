@@ -6,7 +6,7 @@ from slider.robot.names import VELOCITY
 from slider.verification import summary
 from slider.verification.quantities import QUANTITIES
 
-NONE: summary.Bounds = dict.fromkeys(QUANTITIES)
+NONE: dict[str, float | None] = dict.fromkeys(QUANTITIES)
 
 
 def table(*rows: tuple[float, dict[str, float]]) -> pd.DataFrame:

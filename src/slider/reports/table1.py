@@ -108,7 +108,7 @@ def comparisons(frame: pd.DataFrame) -> list[Table]:
 def compare(frame: pd.DataFrame, name: str) -> Table:
     """One metric; measured controllers first, in the order of the rows.
 
-    The best of a line are marked, and all that look the same when printed.
+    The best of a line are marked, and all that look the same when printed, unless all are.
     """
     keys, printed = ["source", "controller"], frame["source"] == PAPER
     theirs = frame[METRICS[name]] if METRICS[name] else np.nan
@@ -133,14 +133,13 @@ def _marked(line: pd.DataFrame, name: str) -> list[str]:
     values = line["value"][fair]
     best = values.max() if share else values.min()
     cells = [_cell(row, name) for row in line.to_dict("records")]
-    if len(line) == 1 or not math.isfinite(best):
+    if not math.isfinite(best):
         return cells
     digits = 3 if share else decimals(best)
-    best = round(best, digits)
-    return [
-        f"**{cell}**" if one and round(value, digits) == best else cell
-        for cell, value, one in zip(cells, line["value"], fair, strict=True)
-    ]
+    marks = fair & (line["value"].round(digits) == round(best, digits))
+    if marks.all():
+        return cells
+    return [f"**{cell}**" if mark else cell for cell, mark in zip(cells, marks, strict=True)]
 
 
 def _cell(row: dict[str, Any], name: str) -> str:

@@ -75,6 +75,13 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
 
 
+def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, monkeypatch):
+    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
+        monkeypatch.setenv(name, "1")
+    make(folder, "table1")
+    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
+
+
 @pytest.mark.parametrize("target", ["test", "faults"])
 def test_who_tests_gets_the_tools_first(folder, target):
     assert make(folder, target)[:3] == ["-I", "-m", "pytest"]
@@ -111,12 +118,29 @@ def test_a_copied_or_moved_environment_is_made_anew(folder, maker):
         assert (elsewhere / ".venv/place").read_text() == str(elsewhere)
 
 
-def test_an_environment_of_somebody_else_stays(folder, maker):
+@pytest.mark.parametrize("python", ["#!/bin/sh\nexit 1\n", "no program"])
+def test_a_broken_environment_is_made_anew(folder, maker, python):
+    (folder / ".venv/bin/python").write_text(python)
+    assert make(folder, "table1", maker)[2] == "snakemake"
+
+
+@pytest.mark.parametrize("kind", ["own", "linked"])
+def test_an_environment_of_somebody_else_stays(folder, maker, kind):
     (folder / ".venv/place").unlink()
+    (folder / ".venv").rename(folder / "elsewhere")
+    if kind == "own":
+        (folder / "elsewhere").rename(folder / ".venv")
+    else:
+        (folder / ".venv").symlink_to("elsewhere")
     done = call(folder, "table1", maker)
     assert done.returncode
     assert "expected no .venv or one that make made, found another: move it away" in done.stderr
     assert (folder / ".venv/bin/python").exists()
+
+
+def test_an_environment_that_was_begun_is_made_anew(folder, maker):
+    (folder / ".venv/place").write_text("")
+    assert make(folder, "table1", maker)[2] == "snakemake"
 
 
 def test_the_supported_pythons_are_the_same_everywhere():
@@ -126,8 +150,9 @@ def test_the_supported_pythons_are_the_same_everywhere():
         assert "Python 3.11 to 3.13" in (ROOT / name).read_text()
 
 
-def test_another_python_is_one_line_and_leaves_no_environment(folder):
-    old, version, found = folder / "old", (3, 10, 2), "3.10.2"
+@pytest.mark.parametrize("version", [(3, 10, 2), (3, 14, 0)])
+def test_another_python_is_one_line_and_leaves_no_environment(folder, version):
+    old, found = folder / "old", ".".join(map(str, version))
     check = f"import sys; sys.version_info = {version}; sys.version = '{found} x'"
     old.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{check}; $(echo "$3" | tail -c +12)"\n')
     old.chmod(0o755)

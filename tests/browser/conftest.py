@@ -47,9 +47,9 @@ def visit(browser):
     """Open pages; note console errors, exceptions and requests of each."""
     contexts = []
 
-    def open_page(address: str, width: int = 1280) -> Visit:
+    def open_page(address: str, scheme: str = "light", width: int = 1280) -> Visit:
         size = {"width": width, "height": 900}
-        context = browser.new_context(viewport=size)
+        context = browser.new_context(viewport=size, color_scheme=scheme)
         contexts.append(context)
         visit = Visit(context.new_page())
         page = visit.page

@@ -9,8 +9,8 @@ pytestmark = pytest.mark.workflow
 
 @pytest.fixture
 def opened(finished, visit):
-    def open_report(width=1280):
-        return visit((finished.folder / "reports" / "index.html").as_uri(), width)
+    def open_report(scheme="light", width=1280):
+        return visit((finished.folder / "reports" / "index.html").as_uri(), scheme, width)
 
     return open_report
 
@@ -49,6 +49,20 @@ def test_a_video_plays(opened):
     video.evaluate("v => { v.loop = false; }")
     page.wait_for_function("() => document.querySelector('video').currentTime > 0.15")
     assert video.evaluate("v => v.error") is None
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_follows_the_theme_of_the_reader(opened, scheme):
+    page = opened(scheme).page
+
+    def brightness(name):
+        colour = page.locator("body").evaluate(
+            f"e => getComputedStyle(e).{name}.match(/[0-9.]+/g).slice(0, 3).map(Number)"
+        )
+        return sum(colour) / (3 * 255)
+
+    assert (brightness("backgroundColor") < 0.5) == (scheme == "dark")
+    assert abs(brightness("backgroundColor") - brightness("color")) > 0.5
 
 
 @pytest.mark.parametrize("width", [1280, 400])

@@ -70,6 +70,34 @@ def test_shows_the_ground_below_the_robot(tmp_path, monkeypatch):
     assert along == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_fall_is_shown_from_the_start(tmp_path, monkeypatch, capsys):
+    times = []
+
+    def render(robot, frames, size, cameras, relief):
+        times.extend(frame.time for frame in frames)
+        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
+
+    monkeypatch.setattr(film, "render", render)
+    path = tmp_path / "fall.webp"
+    assert cli.main(["play", "random", "--film", str(path), "--conf", str(CONF)]) == 1
+    said = capsys.readouterr().out
+    assert said == f"{path}: agent random fell after {times[-1]:.2f} s\n"
+    assert times[0] < 1 / 25
+    assert path.is_file()
+    alarms = []
+
+    def annotate(picture, title, texts, alarm):
+        alarms.append(alarm)
+        return Image.fromarray(picture)
+
+    monkeypatch.setattr(film, "annotate", annotate)
+    monkeypatch.setattr(animation, "TILES", animation.TILES[:3])
+    options = ["--film", str(path), "--tiles", "--conf", str(CONF)]
+    assert cli.main(["play", "random", *options]) == 1
+    assert capsys.readouterr().out == f"{path}: a robot fell\n"
+    assert all(alarms), "it lies there to the end"
+
+
 def test_tiles_show_ground_push_and_measured_speed(tmp_path, monkeypatch):
     shown, facts = [], []
 

@@ -13,6 +13,7 @@ from pipeline.stages.evaluation import speed_of, velocity_tracking
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
 from slider.core import tables
+from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.metrics import tracking
 from slider.env.rollout import Recording
@@ -20,6 +21,8 @@ from slider.evaluation import segments
 from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
 from slider.reports import protocols
+from slider.reports.figures.style import style
+from slider.reports.figures.walking import draw_tracking
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
 from tests.evaluation.test_results import make_robots, random_robots
@@ -208,6 +211,23 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     text = (out / f"{name}.md").read_text()
     assert "Not drawn: 3.0 m/s, not evaluated in this run." in text
     assert "Not drawn: no survivors with MPC + WBC at 0.4 m/s." in text
+
+
+def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):
+    labels = [*LABELS.values(), "policy (ours), onboard state", "MPC + WBC, tuned", "MPC + WBC, x"]
+    walks = make_robots([[1, 1]], [[1.0, 2.0]])
+    evaluations = [Evaluation(name, 0.4, walks, TRACE, label=name) for name in labels]
+    with style():
+        figure = draw_tracking(evaluations, 0.02)
+        figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+
+
+def test_tracking_needs_an_evaluated_speed(tmp_path):
+    message = r"^report\.tracking_speeds: expected at least one of evaluation\.speeds, found "
+    with pytest.raises(UserError, match=message + r"\[0\.4, 3\.0\]$"):
+        report_tracking(tmp_path)
 
 
 def test_the_job_waits_for_the_speeds_that_it_shows_alone():

@@ -75,6 +75,13 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
 
 
+def test_a_pose_that_turns_the_feet_is_told(tmp_path):
+    robot = mjcf(SLIDER, tmp_path)
+    assert read_model(robot, ROLES | {"pose": {}}).foot_rotation == pytest.approx(0.0, abs=1e-6)
+    pose = {"left_ankle": 0.1, "right_ankle": 0.1}
+    assert read_model(robot, ROLES | {"pose": pose}).foot_rotation == pytest.approx(0.1, abs=1e-6)
+
+
 def text(*values: float) -> str:
     return " ".join(map(str, np.ravel(values)))
 
@@ -298,12 +305,23 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
     [
         (YAML, "model: robot.xml", "model: none.xml", "robot.model: expected a model file"),
         (YAML, "model: robot.xml", "model: ../robot.xml", "expected a file beside this one"),
+        (YAML, "base: base", "base: world", "roles.base: expected the body of the base, found wo"),
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
+        (YAML, "[left_slide, right_slide]", "left_slide", "slide: expected a list, found"),
         pytest.param(YAML, TEXT, SWAPPED, "−x?), found its ankle at y = -", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
+        (YAML, "base: base,", "base: base, side: top,", "roles.side: expected 'left' or 'right'"),
+        (YAML, "base: base,", "base: base, sides: left,", "unknown configuration key"),
+        (YAML, "joints: {", "pose: {left_slide: x}, joints: {", "expected a valid number"),
         (YAML, "joints: {", "pose: {left_hip_roll: 0.5}, joints: {", "expected an axis along"),
+        (
+            YAML,
+            "right_hip_yaw], hip_roll: [left_hip_roll, right_hip_roll]",
+            "right_hip_roll], hip_roll: [left_hip_roll, right_hip_yaw]",
+            "of both hips (hip_yaw, hip_roll, hip_pitch), found hip_roll, hip_yaw, hip_pitch",
+        ),
         (
             YAML,
             "[left_hip_yaw, right_hip_yaw], hip_roll: [left_hip_roll, right_hip_roll]",
@@ -312,15 +330,24 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         ),
         (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
+        (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
         (XML, 'mass="0.97"', 'mass="1.97"', "expected legs that are alike"),
+        (XML, 'range="-0.785 0.785"', 'range="-0.785 0.5"', "right_hip_roll that differ by"),
         (XML, 'range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds roles.pose, in rad"),
         (XML, 'range="-0.785 0.785"', 'range="-45 45"', "from -45 to 45 and its pose 0"),
+        (
+            XML,
+            *joined('<joint joint1="left_ankle" joint2="left_slide"/>'),
+            "left_ankle and left_slide",
+        ),
         (
             XML,
             *joined('<connect body1="left_foot" body2="base" anchor="0 0 0"/>'),
             "loops, found c",
         ),
+        (XML, *joined('<tendon tendon1="t"/>'), "found tendon constraint of t"),
         (XML, 'joint name="left_ankle"', 'joint name="left_ankle" stiffness="3"', "of left_ankle"),
+        (XML, "</mujoco>", TENDON.replace('"t"', '"t" stiffness="3"') + "</mujoco>", "spring of t"),
         (XML, "<compiler ", '<compiler inertiafromgeom="true" ', "expected masses of inertial"),
     ],
 )

@@ -98,7 +98,7 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
         )
         fallen |= frames[-1].failed
     pictures = []
-    for moment in zip(*columns, strict=False):
+    for moment in zip(*columns, strict=True):
         size = (len(TILES) // _COLUMNS, _COLUMNS)
         tiles = np.array([np.asarray(picture) for picture in moment])
         height, width, colours = tiles.shape[1:]
@@ -110,7 +110,7 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
 
 
 def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
-    """Frames of one robot from rest, which is pushed once where the tile says so."""
+    """Frames of one robot from rest, pushed once where the tile says so; it lies where it fell."""
     control, frames = loop.Control((tile.speed, 0.0, 0.0), scene.top), []
     moment = round((_WARM_UP + _PUSHED) / scene.motion.period)
 
@@ -121,7 +121,7 @@ def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
         return not frame.failed
 
     loop.run(scene.motion, control, show, seconds, real_time=False)
-    return frames
+    return frames + [frames[-1]] * (round(seconds / scene.motion.period) + 1 - len(frames))
 
 
 def _facts(tile: Tile, frames: list[Frame]) -> list[list[str]]:

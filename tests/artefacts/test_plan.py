@@ -46,3 +46,18 @@ def test_plan_round_trip(tmp_path):
     path.write_text(path.read_text().replace('"number"', '"numbers"'))
     with pytest.raises(UserError, match=f"^expected a plan, found none at {path}$"):
         read_plan(path)
+
+
+def test_plan_digests_are_those_of_all_jobs_before_without_the_machine():
+    def digests(section: dict, code: Code) -> dict[str, str]:
+        training = JobSpec("walking", "walking", code, section)
+        return JobSpec("table1", "table", CODE, {}, {"walking": [training]}).plan_digests
+
+    base = digests({"train": {"weight": 1.0, "device": "cpu"}, "numerics": "avx2"}, CODE)
+    assert digests({"train": {"weight": 1.0, "device": "cuda"}, "numerics": "sse"}, CODE) == base
+    changed = digests({"train": {"weight": 2.0, "device": "cpu"}, "numerics": "avx2"}, CODE)
+    assert changed["settings"] != base["settings"]
+    assert changed["source"] == base["source"]
+    others = digests({"train": {"weight": 1.0, "device": "cpu"}}, Code("e:f", "other", {}))
+    assert others["settings"] == base["settings"]
+    assert others["source"] != base["source"]

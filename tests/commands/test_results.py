@@ -1,11 +1,12 @@
 """``slider results`` fills pages from reports and names their origin."""
 
+import sys
 from pathlib import Path
 
 import pytest
 
 from slider import cli
-from slider.artefacts.plan import JobSpec
+from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.commands import results
@@ -64,15 +65,18 @@ METADATA = {
 
 
 @pytest.fixture(autouse=True)
-def workspace(tmp_path, monkeypatch) -> Path:
-    """Reports, and a store whose job wrote the table."""
+def todays(tmp_path, monkeypatch) -> dict[str, str]:
+    """Reports, a store whose job wrote the table, today's plan digests without Snakemake."""
     monkeypatch.chdir(tmp_path)
     Path("reports").mkdir()
     for name, text in (("table1.md", TABLE), ("table1.csv", "v\n"), ("sweep.md", REPORT)):
         Path("reports", name).write_text(text)
     job = JobSpec("table1", "table 1", Code("", "", {}), {})
     compute(Store(Path("artefacts")), job, metadata=METADATA, table1=TABLE)
-    return tmp_path
+    write_plan(build_plan({"table1": job}), Path("artefacts/plans"))
+    digests = dict(job.plan_digests)
+    monkeypatch.setattr(results, "_todays_digests", lambda *command: {"table1": digests})
+    return digests
 
 
 def filled(*names: str, status: int = 0) -> list[str]:
@@ -102,16 +106,26 @@ def test_the_summary_has_lower_tracking_rates_and_the_papers_error():
     ours = "policy,ours,measured,0.2,0.996,0.9,0.00271,0.01\nhzd,HZD,measured,0.2,1,1,0.5,1\n"
     printed = "guided_drl,guided RL (paper),paper,0.2,1,,,0.0317\n"
     Path("reports/table1.csv").write_text(head + ours + printed)
-    runs = "seed,speed,success_rate,mse_steady\n1,0.2,1,0.000421\n2,0.2,1,0.000275\n"
-    Path("reports/seeds_runs.csv").write_text(runs)
     lines = filled("summary")
-    assert "|  | policy (ours), 2 trainings | 100 |" in lines
-    assert "|  | policy (ours), 2 trainings | 0.000275–0.000421 |" in lines
     assert "| Success rate [%] | ours | 99.6 (90) |" in lines
     assert "|  | guided RL (paper) | 100 |" in lines, "it prints no tracking rate"
     assert "|  | HZD | 100 |" in lines
     assert "| Velocity MSE after the warm-up [m²/s²] | ours | 0.00271 |" in lines
     assert "|  | guided RL (paper) | 0.0317 |" in lines
+
+
+def test_trainings_have_their_range_and_an_interval_to_the_mpc():
+    head = "controller,speed,success_rate,mse_steady\n"
+    Path("reports/table1.csv").write_text(f"{head}mpc_wbc_tuned,0.2,1,0.0001\n")
+    runs = "seed,speed,success_rate,mse_steady\n1,0.2,1,0.000421\n2,0.2,1,0.000275\n"
+    Path("reports/seeds_runs.csv").write_text(runs)
+    lines = filled("trainings")
+    assert lines[6:10] == [
+        "| Success rate [%] | range | 100 |",
+        "| Success rate [%] | mean − MPC | no difference |",
+        "| Velocity MSE after the warm-up [m²/s²] | range | 0.000275–0.000421 |",
+        "| Velocity MSE after the warm-up [m²/s²] | mean − MPC | +0.000175 to +0.000321 |",
+    ]
 
 
 def test_times_are_those_of_the_jobs_before():
@@ -148,6 +162,45 @@ def test_without_the_report_a_block_stays_and_one_line_names_the_command(capsys)
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "snakemake -j2 reports/heldout.csv" in error
+
+
+def test_a_table_of_another_plan_says_so_and_is_listed(todays, capsys):
+    assert not any("Since then" in line for line in filled("table1"))
+    assert cli.main(["results", "--check"]) == 0
+    for part, change in (("source", "the source has"), ("settings", "settings have")):
+        todays[part] = "another"
+        before = Path("README.md").read_text()
+        capsys.readouterr()
+        assert cli.main(["results", "--check"]) == 1
+        assert capsys.readouterr().out == f"README.md: table1: {change} changed\n"
+        assert Path("README.md").read_text() == before
+        assert cli.main(["results", "README.md"]) == 0
+        (origin,) = (o for o in Path("README.md").read_text().splitlines() if "Made by" in o)
+        assert origin.endswith(f", Linux. Since then {change} changed.")
+
+
+def test_a_table_whose_plan_is_gone_may_be_of_other_settings(todays, capsys):
+    for path in Path("artefacts/plans").iterdir():
+        path.unlink()
+    (origin,) = (line for line in filled("table1") if "Made by" in line)
+    assert origin.endswith(" Since then settings may have changed.")
+
+
+def test_tables_of_readme_and_results_say_what_changed_since(monkeypatch, capsys):
+    """Settings as on any machine, source as with the Python that filled the pages.
+
+    Table 1 is of today's settings.
+    """
+    monkeypatch.undo()
+    monkeypatch.chdir(ROOT)
+    cli.main(["results", "--check", "README.md", "docs/reference/results.md"])
+    for line in capsys.readouterr().out.splitlines():
+        page, block, change = line.split(": ")
+        assert block not in ("summary", "table1") or "settings" not in change, line
+        text = next(m[0] for m in MARKED.finditer(Path(page).read_text()) if m[2] == block)
+        assert sys.version_info[:2] != (3, 11) or f"Since then {change}." in text, (
+            f"{line}: run slider results"
+        )
 
 
 def test_every_block_is_shown_somewhere():

@@ -17,6 +17,9 @@ from slider.artefacts.recipe import Code, Groups
 from slider.core import files
 from slider.core.errors import UserError, not_read
 
+OF_MACHINE = ("numerics", "device", "precision")
+"""Names in sections whose values belong to the machine that a job runs on."""
+
 
 @dataclass(frozen=True)
 class JobSpec:
@@ -42,6 +45,23 @@ class JobSpec:
         """Recipes of the inputs by name."""
         return {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
 
+    @cached_property
+    def plan_digests(self) -> dict[str, str]:
+        """Digests of the ``settings`` and of the ``source`` with packages, of all jobs up to here.
+
+        Settings have none of :data:`OF_MACHINE`. The source is that of one version of Python,
+        since syntax trees differ.
+        """
+        code = [self.code.entry, self.code.source, self.code.versions]
+        own = {"settings": [self.stage, _of_any_machine(self.section)], "source": code}
+        inputs = {name: [job.plan_digests for job in jobs] for name, jobs in self.inputs.items()}
+        return {
+            part: files.digest_value(
+                [value, {name: [job[part] for job in jobs] for name, jobs in inputs.items()}]
+            )
+            for part, value in own.items()
+        }
+
     @property
     def needs(self) -> list["JobSpec"]:
         """All inputs, in their order."""
@@ -55,6 +75,12 @@ class JobSpec:
         code = [self.code.entry, self.code.source, self.code.versions]
         groups = {name: list(digests) for name, digests in inputs.items()}
         return files.digest_value([SCHEMA, self.stage, self.section, *code, groups])
+
+
+def _of_any_machine(values: Any) -> Any:
+    if isinstance(values, Mapping):
+        return {n: _of_any_machine(value) for n, value in values.items() if n not in OF_MACHINE}
+    return values
 
 
 @dataclass(frozen=True)

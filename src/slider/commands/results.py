@@ -1,23 +1,30 @@
 """``slider results``: fill the tables of README.md and docs/ from a finished run.
 
 A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NAME is in ``BLOCKS``,
-or any Markdown report of ``reports/``, of which headings and tables are taken.
+or any Markdown report of ``reports/``, of which headings and tables are taken. The end mark of a
+filled table has the target and the digests of the plan that made it (``JobSpec.plan_digests``).
+A table that today's plan would not make says so.
 """
 
 import argparse
 import re
+import shlex
+import subprocess
 import sys
-from collections.abc import Sequence
-from functools import partial
+import tempfile
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from scipy.stats import bootstrap
 
-from slider.artefacts.current import add_store_argument
+from slider.artefacts.current import add_store_argument, current_plan, recent_plans
 from slider.artefacts.manifest import Manifest, parse_manifest
 from slider.artefacts.run_metadata import config_option
-from slider.artefacts.store import Store
+from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.quantities import speed_text
@@ -27,6 +34,8 @@ from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.report import across
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
+_ORIGIN = re.compile(r"^(Made by `([^`]*)`[^\n]*?)( Since then [^\n]*)?$", re.M)
+_DIGESTS = re.compile(r"<!-- /results (\w+) settings (\w+) source (\w+) -->")
 _STEPS = ("alternation", "touchdown_rate", "flight", "slip", "clearance")
 _LEGS = ("leg_distance", "robots_touch", "robots_cross", "heading_worst")
 _VARIANCES = ("velocity_variance", "reference_velocity_variance")
@@ -42,22 +51,75 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--reports", type=Path, default=Path("reports"), help="folder (default: reports)"
     )
+    parser.add_argument(
+        "--check", action="store_true", help="fill nothing, list tables of another plan, status 1"
+    )
     add_store_argument(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Fill each table whose report is there; say on stderr which reports are missing."""
+def run(arguments: argparse.Namespace) -> int:
+    """Fill each table whose report is there and mark those of another plan; or list the latter.
+
+    What misses is said on stderr.
+    """
     pages = arguments.pages or [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]
     fill = partial(_filled, arguments.reports, Store(arguments.artefacts))
+    outdated = False
     for page in pages:
         try:
             text = page.read_text(encoding="utf-8")
         except OSError as error:
             raise UserError(f"expected a page at {page}: {error.strerror}") from None
-        filled = MARKED.sub(fill, text)
+        filled = text if arguments.check else MARKED.sub(fill, text)
+        for block in MARKED.finditer(filled):
+            change = changed_since(block[0])
+            outdated = outdated or bool(change)
+            if change and arguments.check:
+                print(f"{page}: {block[2]}: {change}")
+            if not arguments.check:
+                filled = filled.replace(block[0], _with_change(block[0], change))
         if filled != text:
             files.write_atomic(page, filled)
             print(f"{page} is filled")
+    return int(outdated and arguments.check)
+
+
+def changed_since(block: str) -> str:
+    """What of a table's plan today's plan has otherwise; empty where nothing, or never filled."""
+    origin = _ORIGIN.search(block)
+    if origin is None:
+        return ""
+    made = _DIGESTS.search(block)
+    if made is None:
+        return "settings may have changed"  # its plan is not known
+    plan = _todays_digests(*shlex.split(origin[2]))
+    for part, digest in zip(("settings", "source"), made.groups()[1:], strict=True):
+        if not plan.get(made[1], {}).get(part, "").startswith(digest):
+            return f"{'settings have' if part == 'settings' else 'the source has'} changed"
+    return ""
+
+
+@cache
+def _todays_digests(*command: str) -> dict[str, dict[str, str]]:
+    """Plan digests by target, as a dry run of a ``snakemake`` command lays them out here.
+
+    None where it cannot, which is said on stderr.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        place = ["--snakefile", f"{Path.cwd()}/Snakefile", "--directory", folder]
+        dry = [sys.executable, "-I", "-m", command[0], "-n", *place, *command[1:]]
+        done = subprocess.run(dry, check=False, capture_output=True, text=True)
+        plan = current_plan(Store(Path(folder) / ARTEFACTS)) if done.returncode == 0 else None
+    if plan is None:
+        lines = "".join(line for line in done.stderr.splitlines(True) if "slider: " in line)
+        print(f"{shlex.join(command)}: {lines or done.stderr}", end="", file=sys.stderr)
+        return {}
+    return {target: plan.jobs[recipe].plan_digests for target, recipe in plan.targets.items()}
+
+
+def _with_change(block: str, change: str) -> str:
+    sentence = f" Since then {change}." if change else ""
+    return _ORIGIN.sub(lambda origin: origin[1] + sentence, block)
 
 
 def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
@@ -69,6 +131,8 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         print(f"slider results: {name} stays, {report} is missing: {command}", file=sys.stderr)
         return match[0]
     jobs = store.mentioning(files.digest_file(report))
+    metadata = {job.recipe: store.metadata(job.stage, job.recipe) for job in jobs}
+    jobs.sort(key=lambda job: str(metadata[job.recipe].get("ended", "")), reverse=True)
     if name == "times":
         body = stage_times(jobs, store)
     elif name in _OF_CSV:
@@ -78,9 +142,19 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
             raise UserError(f"expected the column {error} in {report}, found none") from None
     else:
         body = markdown_tables(report, count)
-    metadata = [store.metadata(job.stage, job.recipe) for job in jobs]
-    oldest = min(metadata, key=lambda fact: str(fact.get("ended", "")), default={})
-    return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n\n<!-- /results -->"
+    latest = metadata[jobs[0].recipe] if jobs else {}
+    end = f"<!-- /results{_digests(jobs[0].recipe, store) if jobs else ''} -->"
+    return f"{match[1]}\n{body}\n\n{origin(command, latest)}\n\n{end}"
+
+
+def _digests(recipe: str, store: Store) -> str:
+    """Target and digests of the plan with a recipe, as an end mark has them; empty without one."""
+    for plan in recent_plans(store):
+        for target, other in plan.targets.items():
+            if other == recipe:
+                digests = plan.jobs[recipe].plan_digests.items()
+                return " ".join(["", target, *(f"{part} {d[:12]}" for part, d in digests)])
+    return ""
 
 
 def origin(command: str, metadata: dict[str, Any]) -> str:
@@ -103,10 +177,7 @@ def learning(report: Path) -> Table:
 
 
 def summary(report: Path) -> Table:
-    """Success and error in Table 1; a lower tracking rate stands in parentheses.
-
-    Below the policy stands the range over all trainings of ``seeds_runs.csv``, if any.
-    """
+    """Success and error in Table 1; a lower tracking rate stands in parentheses."""
     percent, error = (QUANTITIES[name].text for name in _SHOWN)
     rows = []
     for row in read(report).to_dict("records"):
@@ -115,22 +186,42 @@ def summary(report: Path) -> Table:
         mse = error(row["mse" if row["source"] == PAPER else "mse_steady"])
         shown = dict(zip(_SHOWN, (percent(success) + lower, mse), strict=True))
         rows.append({name: row[name] for name in ("controller", "label", "speed")} | shown)
-    seeds = report.with_name("seeds_runs.csv")
-    if seeds.is_file():
-        runs = read(seeds)
-        label = f"policy (ours), {runs['seed'].nunique()} trainings"
-        for speed, mine in runs.groupby("speed"):
-            ends = zip(*(mine[[*_SHOWN]].agg(end) for end in ("min", "max")), strict=True)
-            texts = [
-                "–".join(dict.fromkeys(map(QUANTITIES[name].text, pair)))
-                for name, pair in zip(_SHOWN, ends, strict=True)
-            ]
-            shown = dict(zip(_SHOWN, texts, strict=True))
-            rows.append({"controller": "policy", "label": label, "speed": speed} | shown)
     frame = pd.DataFrame(rows)
     frame = frame[frame["controller"].isin(_SUMMARY)]
     frame = frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
     return across("", "command [m/s]", "speed", _SHOWN, frame, ["label"], speed_text)
+
+
+def trainings(report: Path) -> Table:
+    """Range over the trainings of several seeds, and how far their mean is from the tuned MPC."""
+    runs = read(report)
+    mpc = read(report.with_name("table1.csv")).query("controller == 'mpc_wbc_tuned'")
+    rows, mpc = [], mpc.set_index("speed")
+    for name in _SHOWN:
+        text = QUANTITIES[name].text
+        for speed, values in runs.groupby("speed")[name]:
+            ends = map(text, (values.min(), values.max()))
+            row = {"quantity": QUANTITIES[name].heading, "speed": speed}
+            rows.append({**row, "of": "range", "text": "–".join(dict.fromkeys(ends))})
+            interval = _interval(values - mpc.at[speed, name], text)
+            rows.append({**row, "of": "mean − MPC", "text": interval})
+    frame = pd.DataFrame(rows)
+    heads = ["command [m/s]", "", *map(speed_text, np.sort(frame["speed"].unique()))]
+    body = [[*key, *mine["text"]] for key, mine in frame.groupby(["quantity", "of"], sort=False)]
+    return Table(heads, body)
+
+
+def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
+    """Bootstrap interval of a mean, 95 %, or that it holds zero."""
+    values = differences.to_numpy(float)
+    low, high = values[0], values[0]
+    if np.ptp(values) > 0:
+        low, high = bootstrap((values,), np.mean, method="percentile", rng=0).confidence_interval
+    if low * high <= 0:
+        return "no difference"
+    return " to ".join(
+        dict.fromkeys(f"{'+' if end > 0 else '−'}{text(abs(end))}" for end in (low, high))
+    )
 
 
 def markdown_tables(report: Path, count: int | None) -> str:
@@ -167,8 +258,9 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
     return Table([*heads, "processor time [min]"], body).markdown
 
 
-_OF_CSV = {"learning": learning, "summary": summary}
+_OF_CSV = {"learning": learning, "summary": summary, "trainings": trainings}
 BLOCKS: dict[str, tuple[str, int | None]] = {
+    "trainings": ("seeds_runs.csv", None),
     "summary": ("table1.csv", None),
     "times": ("table1.csv", None),
     "learning": ("gait_quality.csv", None),

@@ -6,7 +6,7 @@ from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled, tag
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
-from tests.config.composed import composed
+from tests.config.composed import composed, refusal
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def numbers(node: object) -> int:
 def test_every_number_is_in_one_parameter(robot):
     found = parameters(robot)
     assert len({item.path for item in found}) == len(found)
-    directions = 6  # of the hip's axes: no sizes
+    directions = 15  # of axes: no sizes
     assert sum(len(item.value) for item in found) == numbers(to_dict(robot)) - directions
     assert not any(item.path.startswith(("provenance", "name")) for item in found)
 
@@ -66,3 +66,23 @@ def test_one_parameter_changes_and_nothing_else(robot, factor):
             scaled(robot, path, factor)
     digits = scaled(robot, "links.base.inertia", 1.2).links.base.inertia
     assert digits == (0.036, 0.0216, 0.0336)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        (
+            "axes.pitch_direction=[0,0.8,-0.6]",
+            "virtual_knee: expected null where the axis of hip_p",
+        ),
+        ("ankle_direction=[0,0.8,-0.6]", "virtual_knee: expected null where the axis of hip_pitch"),
+        (
+            "knee_direction=[0,0.8,-0.6]",
+            "knee_direction: expected that of y where there is no knee",
+        ),
+        ("axes.pitch_direction=[0,0.28,0.96]", "pitch_direction: expected within 60° of y"),
+        ("axes.pitch_direction=[0,0.8,0.8]", "pitch_direction: expected a unit vector"),
+    ],
+)
+def test_axes_that_no_leg_can_have(override, message):
+    assert message in refusal([f"+robot.geometry.{override}"])

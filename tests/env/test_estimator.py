@@ -26,13 +26,14 @@ from tests.env.synthetic import (
     robot_config,
     stand,
 )
-from tests.robot.lopsided import kneed
+from tests.robot.lopsided import kneed, turned
 
 ONBOARD = config("experiment=test").env.onboard
 NO_ERRORS = SensorsConfig(*[0.0] * 17)
 PERFECT = replace(ONBOARD, sensors=NO_ERRORS)
 COUNT = 3
-ROBOTS = pytest.mark.parametrize("robot", [robot_config(), kneed()], ids=["slider", "kneed"])
+LEGS = {"slider": robot_config(), "kneed": kneed(), "turned": turned(True)}
+ROBOTS = pytest.mark.parametrize("robot", LEGS.values(), ids=LEGS)
 
 
 def physics_with(onboard: OnboardConfig, terrain: str = "flat", level: float = 5.0):

@@ -2,12 +2,14 @@
 
 import casadi as ca
 import numpy as np
+import pytest
 
-from slider.gait.outputs import ANKLE, driven_signs, stance_first
+from slider.gait.outputs import ANKLE, LEG, driven_signs, stance_first
 from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
 from tests.gait.gaits import config
 from tests.hzd.sample import dynamics, library, loop
+from tests.robot.lopsided import turned
 
 MODEL = RootedModel(config().robot)
 DRIVEN, SIGNS = np.array(names.ACTUATED), driven_signs(MODEL.geometry)
@@ -47,12 +49,17 @@ def test_the_impact_is_that_of_the_gaits():
         assert np.abs([landed.pitch, landed.yaw]).max() < 1e-8
 
 
-def test_a_pitched_foot_is_laid_flat_by_its_ankle():
-    q, v = state(3)
-    landed = MODEL.impact_map(q[None], v[None])
+@pytest.mark.parametrize("robot", [config().robot, turned(True)], ids=["slider", "turned"])
+def test_a_pitched_foot_is_laid_flat_by_its_ankle(robot):
+    (q, v), model = state(3), RootedModel(robot)
+    landed, rooted = model.impact_map(q[None], v[None]), model.symbols
     assert abs(landed.pitch[0]) > 0.01
-    expected = stance_first(q[None, 1:], np.array([True]), SIGNS)[0]
-    expected[4] += landed.pitch[0]
+    joints = q.copy()
+    joints[1 + LEG + ANKLE] += landed.pitch[0]
+    foot = ca.Function("foot", [rooted.q], [rooted.poses(rooted.q)["swing_foot"].rotation])
+    assert float(foot(joints)[2, 0]) == pytest.approx(0.0, abs=1e-12)
+    signs = driven_signs(robot.geometry)
+    expected = stance_first(joints[None, 1:], np.array([True]), signs)[0]
     np.testing.assert_allclose(landed.q[0, 1:], expected, atol=1e-12)
 
 

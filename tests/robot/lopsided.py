@@ -44,15 +44,19 @@ def kneed(name: str = "unitree_h1") -> RobotConfig:
 
 @cache
 def turned(knee: bool) -> RobotConfig:
-    """The hip pitches first, then rolls and yaws about tilted axes; H1's or sliding legs."""
+    """The hip pitches first, then rolls and yaws; all axes tilted; H1's or sliding legs."""
     robot = kneed() if knee else replace(lopsided(), virtual_knee=None)
-    yaw, roll = unit(0.3, -0.1, 0.9), unit(0.95, 0.2, -0.25)
+    axes_of = {"yaw": unit(0.3, -0.1, 0.9), "roll": unit(0.95, 0.2, -0.25)}
+    axes_of |= {"pitch": unit(0.15, 0.85, -0.5)}
+    below = {"ankle_direction": unit(-0.1, 0.95, 0.2)}
+    below |= {"knee_direction": unit(0.1, 0.9, -0.15)} if knee else {}
     order = ("hip_pitch", "hip_roll", "hip_yaw")
     rng, axes = np.random.default_rng(8), {}
     for name, y in zip(order, (0.1, 0.0, 0.0), strict=True):
         axes[name] = tuple((0.5 * moved(rng) + [0.0, y, 0.0]).tolist())
-    hip = HipAxes(**axes, order=order, yaw_direction=yaw, roll_direction=roll)
-    return replace(robot, geometry=replace(robot.geometry, axes=hip))
+    directions = {f"{name}_direction": axis for name, axis in axes_of.items()}
+    hip = HipAxes(**axes, order=order, **directions)
+    return replace(robot, geometry=replace(robot.geometry, axes=hip, **below))
 
 
 def unit(*vector: float) -> tuple[float, ...]:

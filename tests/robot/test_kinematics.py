@@ -116,38 +116,51 @@ def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
             np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
 
 
-def leg_of(robot: RobotConfig, sagittal: np.ndarray) -> np.ndarray:
-    """From hip to ankle (3,) [m] in MuJoCo, of hip pitch, slide or knee, and ankle."""
+def leg_of(robot: RobotConfig, joints: np.ndarray, side: str) -> tuple[np.ndarray, np.ndarray]:
+    """From hip to ankle (3,) [m], and along the foot's line (3,), in MuJoCo."""
     model = build_model(robot, SimulationOptions())
     data = mujoco.MjData(model)
-    data.qpos[7 + np.array(robot.geometry.sagittal)] = sagittal
+    data.qpos[7:] = joints
     mujoco.mj_kinematics(model, data)
-    return data.joint("left_ankle").xanchor - data.joint("left_hip_pitch").xanchor
+    leg = data.joint(f"{side}_ankle").xanchor - data.joint(f"{side}_hip_pitch").xanchor
+    return leg, data.body(names.foot(side)).xmat[::3]
 
 
 @ROBOTS
+@pytest.mark.parametrize(("leg", "side"), enumerate(names.SIDES))
 @pytest.mark.parametrize("extension", [-0.2, 0.0, 0.3])
-def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extension):
-    geometry, at = robot.geometry, np.array(extension)
-    joints, step = np.array([0.1, extension, 0.0]), 1e-6
-    leg, way = leg_of(robot, joints), leg_extension_jacobian(geometry, at)
-    longer = leg_of(robot, joints + step * way) - leg_of(robot, joints - step * way)
-    np.testing.assert_allclose(longer / (2 * step), leg / np.linalg.norm(leg), atol=1e-6)
-    change = extend_leg(geometry, at, np.array(-0.04))
-    shorter = (1.0 - 0.04 / np.linalg.norm(leg)) * leg
-    np.testing.assert_allclose(leg_of(robot, joints + change), shorter, atol=1e-12)
-    if geometry.knee is not None:
-        np.testing.assert_allclose([way.sum(), change.sum()], 0.0, atol=1e-12)
+def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extension, leg, side):
+    joints, step = np.random.default_rng(8).uniform(-0.2, 0.2, (1, 12)), 1e-6
+    first = leg * names.LEG_SIZE
+    joints[0, first + names.EXTENSION] = extension
+    if robot.geometry.knee is None:
+        joints[0, first : first + 3] = 0.0  # else the slide is not along the leg
+
+    def moved(change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        there = 1.0 * joints[0]
+        there[first : first + names.LEG_MOTORS] += change
+        return leg_of(robot, there, side)
+
+    (before, line), way = moved(0.0), leg_extension_jacobian(robot.geometry, joints, leg)[0]
+    ends = [moved(sign * step * way) for sign in (1, -1)]
+    grown, turned_line = ((after - then) / (2 * step) for after, then in zip(*ends, strict=True))
+    np.testing.assert_allclose(turned_line, 0.0, atol=1e-7)
+    assert grown @ before / np.linalg.norm(before) == pytest.approx(1.0, abs=1e-6)
+    after, line_after = moved(extend_leg(robot.geometry, joints, leg, np.array([-0.04]))[0])
+    np.testing.assert_allclose(line_after, line, atol=1e-12)
+    assert np.linalg.norm(before) - np.linalg.norm(after) == pytest.approx(0.04, abs=1e-12)
 
 
-def test_a_leg_with_a_knee_is_at_most_almost_straight():
-    geometry = kneed().geometry
-    straight = np.array(-geometry.bend)
-    assert np.abs(leg_extension_jacobian(geometry, straight)).max() < 1.0 / (
-        0.03 * geometry.leg_length
-    )
-    change = extend_leg(geometry, np.zeros(()), np.array(1.0))
-    assert np.linalg.norm(leg_of(kneed(), change)) == pytest.approx(0.995 * 0.8, abs=1e-3)
+@pytest.mark.parametrize("robot", [kneed(), turned(True)], ids=["kneed", "turned"])
+def test_a_leg_with_a_knee_is_at_most_almost_straight(robot):
+    geometry, straight = robot.geometry, np.zeros((1, 12))
+    straight[0, names.EXTENSION] = -geometry.bend
+    most = np.abs(leg_extension_jacobian(geometry, straight, 0)).max()
+    assert most < 1.0 / (0.03 * geometry.leg_length)
+    joints = np.zeros(12)
+    joints[: names.LEG_MOTORS] = extend_leg(geometry, np.zeros((1, 12)), 0, np.array([1.0]))[0]
+    length = np.linalg.norm(leg_of(robot, joints, "left")[0])
+    assert length == pytest.approx(0.995 * 0.8, abs=1e-3)
 
 
 def line_length(geometry: Geometry) -> float:

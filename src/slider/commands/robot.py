@@ -92,6 +92,9 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
         yield f"left and right differ by {difference:.1%} ({part})"
         if abs(model.lateral) > _SEEN:
             yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
+        if model.pose:
+            angles = (f"{name}: {angle:.4f}" for name, angle in model.pose.items())
+            yield f"solved pose: {{{', '.join(angles)}}}"
         if model.foot_rotation > _LEVEL:
             angle = np.rad2deg(model.foot_rotation)
             yield (

@@ -22,9 +22,12 @@ def parameters(robot: RobotConfig) -> list[Parameter]:
     """All numbers and vectors of a robot, in the order of its configuration."""
     values = to_dict(robot)
     tags = values.pop("provenance")
-    for name in ("order", "yaw_direction", "roll_direction"):  # no sizes
-        del values["geometry"]["axes"][name]
-    numbers = ((k, v) for k, v in flatten(values).items() if isinstance(v, float | tuple))
+    no_sizes = "order", "direction"
+    numbers = (
+        (path, value)
+        for path, value in flatten(values).items()
+        if isinstance(value, float | tuple) and not path.endswith(no_sizes)
+    )
     return [
         Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))
         for path, value in numbers

@@ -3,6 +3,7 @@
 Values and their provenance live in ``conf/robot``.
 """
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Annotated, Literal, NamedTuple
 
@@ -24,8 +25,8 @@ LINKS = {
 }
 """Joint, and the link below it; a knee has the place of the slide."""
 HIP_JOINTS, BELOW_HIP = ("hip_yaw", "hip_roll", "hip_pitch"), tuple(LINKS)[3:]
-TILTS = ("hip_yaw", "hip_roll")
-"""Joints whose axes may be tilted, and which the reflection at the sagittal plane turns back."""
+LATERAL = ("hip_yaw", "hip_roll")
+"""Joints that the reflection at the sagittal plane turns back."""
 LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
 
 
@@ -36,6 +37,15 @@ def leg_scale(leg_length: float) -> float:
 
 MIRROR = np.array([1.0, -1.0, 1.0])
 """Reflection at the sagittal plane."""
+
+
+def axis_of(name: str, left: Sequence[float] | np.ndarray, lateral: float) -> np.ndarray:
+    """Unit vector (3,) about which a joint of a left (1) or right (−1) leg turns, of a left one.
+
+    Where the angle keeps its sign in the mirror, the other components of the axis change theirs.
+    """
+    signs = [1.0, lateral, 1.0] if name in LATERAL else [lateral, 1.0, lateral]
+    return np.array(left) * signs + 0.0
 
 
 @dataclass(frozen=True)
@@ -102,9 +112,15 @@ class Links(t.Group):
 
 
 _Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)
-MAX_TURN = 60  # of a yaw or roll axis against z or x [°]
-_Yaw = t.Rule(f"within {MAX_TURN}° of z", lambda vector: vector[2] >= np.cos(np.deg2rad(MAX_TURN)))
-_Roll = t.Rule(f"within {MAX_TURN}° of x", lambda vector: vector[0] >= np.cos(np.deg2rad(MAX_TURN)))
+MAX_TURN = 60  # of a joint's axis against that of its role [°]
+
+
+def _within(place: int) -> t.Rule:
+    least = np.cos(np.deg2rad(MAX_TURN))
+    return t.Rule(f"within {MAX_TURN}° of {'xyz'[place]}", lambda vector: vector[place] >= least)
+
+
+_Leftward = Annotated[t.Vector3[t.Number], _Unit, _within(1)]
 
 
 class HipAxes(t.Group):
@@ -125,20 +141,24 @@ class HipAxes(t.Group):
         ),
     ] = HIP_JOINTS
     """from the base down"""
-    yaw_direction: Annotated[t.Vector3[t.Number], _Unit, _Yaw] = (0.0, 0.0, 1.0)
+    yaw_direction: Annotated[t.Vector3[t.Number], _Unit, _within(2)] = (0.0, 0.0, 1.0)
     """unit vector along the left yaw axis; a right axis has the other sign of y"""
-    roll_direction: Annotated[t.Vector3[t.Number], _Unit, _Roll] = (1.0, 0.0, 0.0)
-    """likewise; the pitch axis is along y"""
+    roll_direction: Annotated[t.Vector3[t.Number], _Unit, _within(0)] = (1.0, 0.0, 0.0)
+    """likewise"""
+    pitch_direction: _Leftward = (0.0, 1.0, 0.0)
+    """unit vector along the left pitch axis; a right axis has the other signs of x and z"""
 
     def chain(self, lateral: float = 1.0) -> list[tuple[str, np.ndarray, np.ndarray]]:
         """Joint, place (3,) [m] and unit vector (3,) of each axis from the base down.
 
         ``lateral`` is 1 for the left leg, −1 for the right one.
         """
-        reflection = np.array([1.0, lateral, 1.0])
-        yaw, roll = np.array([self.yaw_direction, self.roll_direction]) * reflection + 0.0
-        axes = {"hip_yaw": yaw, "hip_roll": roll, "hip_pitch": np.array([0.0, 1.0, 0.0])}
-        return [(name, getattr(self, name) * reflection + 0.0, axes[name]) for name in self.order]
+        axes = {n: getattr(self, f"{n.removeprefix('hip_')}_direction") for n in self.order}
+        return [
+            (name, getattr(self, name) * np.array([1.0, lateral, 1.0]) + 0.0, axis)
+            for name in self.order
+            for axis in (axis_of(name, axes[name], lateral),)
+        ]
 
     @property
     def below_pitch(self) -> np.ndarray:
@@ -183,11 +203,18 @@ class Geometry(t.Group):
     """box between the hips"""
     knee: t.Vector3[t.Metres] | None = None
     """place of a knee from the pitch axis, bent with all joints at zero; null: the leg slides"""
+    knee_direction: _Leftward = (0.0, 1.0, 0.0)
+    """unit vector along the left knee's axis, as that of the pitch"""
+    ankle_direction: _Leftward = (0.0, 1.0, 0.0)
+    """likewise, of the ankle"""
 
     def __post_init__(self) -> None:
         lateral, expected = self.hip[1], "a sum of y > 0 m: left hips are on the left"
         t.require(lateral > 0.0, "axes", expected, f"{lateral:g}")
-        if self.knee is not None:
+        if self.knee is None:
+            found, expected = self.knee_direction, "that of y where there is no knee"
+            t.require(found == (0.0, 1.0, 0.0), "knee_direction", expected, [*found])
+        else:
             (x, _, z), length = self.knee, self.leg_length
             bent = abs(x) >= LEAST_BEND * length and -length < z < 0.0
             expected = f"z between hip and ankle, x of {LEAST_BEND:.0%} of leg_length or more: bent"
@@ -214,13 +241,17 @@ class Geometry(t.Group):
 
     def leg(self, lateral: float = 1.0) -> list[LegJoint]:
         """Driven joints of a left (1) or right (−1) leg, from the base down."""
-        reflection, (_, leftward, up) = np.array([1.0, lateral, 1.0]), np.eye(3)
+        reflection, up = np.array([1.0, lateral, 1.0]), np.eye(3)[2]
         knee, slides = np.array(self.knee or (0.0, 0.0, 0.0)), self.knee is None
         hip = [LegJoint(*joint, slides=False) for joint in self.axes.chain(lateral)]
         below = reflection * (knee - self.axes.below_pitch) + 0.0
         ankle = reflection * (-self.leg_length * up - knee) + 0.0
-        extension = LegJoint("slide", below, 0.0 - up if slides else leftward, slides)
-        return [*hip, extension, LegJoint("ankle", ankle, leftward, slides=False)]
+        bends, turns = (
+            axis_of(name, axis, lateral)
+            for name, axis in (("slide", self.knee_direction), ("ankle", self.ankle_direction))
+        )
+        extension = LegJoint("slide", below, 0.0 - up if slides else bends, slides)
+        return [*hip, extension, LegJoint("ankle", ankle, turns, slides=False)]
 
     @property
     def slide_length(self) -> float | None:
@@ -232,8 +263,17 @@ class Geometry(t.Group):
         """Angle of a knee with all joints at zero [rad], > 0 where it points forward; else 0."""
         if self.knee is None:
             return 0.0
-        x, _, z = self.knee
-        return float(np.arctan2(x, self.leg_length + z) + np.arctan2(x, -z))
+        thigh, shank, axis = np.array(self.knee), -np.array(self.knee), self.knee_direction
+        shank[2] -= self.leg_length
+        thigh, shank = (part - (part @ axis) * np.array(axis) for part in (thigh, shank))
+        return float(np.arctan2(np.cross(thigh, shank) @ axis, thigh @ shank))
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether a leg gets longer by slide, or pitch, knee and ankle about one direction."""
+        turns = (self.axes.pitch_direction, self.knee_direction, self.ankle_direction)
+        parallel = set(turns) == {(0.0, 1.0, 0.0)} and self.axes.order[-1] == "hip_pitch"
+        return self.knee is None or parallel
 
     @property
     def standing_height(self) -> float:
@@ -321,6 +361,9 @@ class Mechanism(t.Group):
         if virtual is not None:
             expected = "null where hip_pitch is not the last of geometry.axes.order"
             t.require(geometry.axes.order[-1] == "hip_pitch", "virtual_knee", expected, "one")
+            tilted = {geometry.axes.pitch_direction, geometry.ankle_direction} != {(0.0, 1.0, 0.0)}
+            expected = "null where the axis of hip_pitch or ankle is tilted"
+            t.require(not tilted, "virtual_knee", expected, "one")
             reach = virtual.thigh_length + virtual.shank_length
             expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
             t.require(reach > geometry.leg_length, "virtual_knee", expected, reach)
@@ -347,7 +390,7 @@ class Mechanism(t.Group):
         """Lower and upper ends (2, 12) of all joints [rad, m], the left leg first."""
         names = self.geometry.leg_joints
         left = np.array([[self.joints[n].lower, self.joints[n].upper] for n in names]).T
-        right = np.where([name in TILTS for name in names], -left[::-1], left)
+        right = np.where([name in LATERAL for name in names], -left[::-1], left)
         return np.concatenate([left, right], axis=1)
 
 

@@ -6,8 +6,8 @@ filter with one variance for the three components predicts the base's velocity f
 and corrects it by leg odometry: the point of a loaded foot that touches the ground rests. After
 Bloesch et al., "State estimation for legged robots: consistent fusion of leg kinematics and IMU"
 (RSS 2012), with the orientation left to the inertial unit. The force of a foot is that of a
-momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of what hip pitch,
-knee and ankle do to the leg's length (virtual work).
+momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of what the joints do
+to the leg's length (virtual work).
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from slider.env.starts import SLIDES
 from slider.env.state import RobotState
 from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.kinematics import FootMotion, foot_motion, leg_extension_jacobian
-from slider.robot.names import GRAVITY, LEG_SIZE, SIDES
+from slider.robot.names import GRAVITY, LEG_MOTORS, LEG_SIZE, NUM_JOINTS, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
@@ -67,15 +67,13 @@ class Leg(NamedTuple):
         bodies, geometry = own_bodies(robot), robot.geometry
         tube, foot = bodies["tube"], bodies["foot"]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
-        stretch = leg_extension_jacobian(geometry, np.zeros(()))
-        sagittal = list(geometry.sagittal)
-        damping = [robot.joints[geometry.leg_joints[k]].damping for k in sagittal]
-        inertia = leg_inertia(robot)[np.ix_(sagittal, sagittal)]
+        stretch = leg_extension_jacobian(geometry, np.zeros((1, NUM_JOINTS)), 0)[0]
+        damping = [robot.joints[name].damping for name in geometry.leg_joints[:LEG_MOTORS]]
         return cls(
             weight=total_mass(bodies) * GRAVITY,
             mass=tube.mass + foot.mass,
             moment=tube.mass * depth + foot.mass * (geometry.leg_length - foot.com[2]),
-            reflected_mass=float(stretch @ inertia @ stretch),
+            reflected_mass=float(stretch @ leg_inertia(robot) @ stretch),
             damping=float(stretch**2 @ damping),
         )
 
@@ -89,8 +87,8 @@ class StateEstimator:
         self._config, self._geometry = config, robot.geometry
         motors = Transmission.of(robot).matrix
         self._slide_efforts = asarray(motors[:, SLIDES], like)
-        legs = (leg * LEG_SIZE + np.array(robot.geometry.sagittal) for leg in range(len(SIDES)))
-        self._sagittal = [asarray(motors[:, leg], like) for leg in legs]
+        starts = (leg * LEG_SIZE for leg in range(len(SIDES)))
+        self._legs = [asarray(motors[:, start : start + LEG_MOTORS], like) for start in starts]
         self._leg = Leg.of(robot)
         self.velocity, self.position = zeros((2, count, 3), like)
         self.variance = zeros((count, 2), like)  # of a velocity component, of the height
@@ -126,7 +124,7 @@ class StateEstimator:
         variance = self.variance + (deviations * elapsed[:, None]) ** 2
 
         leg_velocities, leg_heights = _odometry(feet)
-        along = self._along(measured)
+        along = self._pushed(measured), feet.growing, feet.excess
         specific = xp.einsum("nij,nj,nli->nl", rotation, increment, feet.axes)
         forces = self._foot_forces(specific, feet, elapsed, along)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
@@ -176,20 +174,16 @@ class StateEstimator:
         force = self.forces + follow * (force * feet.axes[..., 2] - self.forces)
         return xp.where(self.fresh[:, None], 0.0, force)
 
-    def _along(self, measured: RobotState) -> tuple[Array, Array, Array]:
-        """Force of the motors along the legs [N], rate of their lengths [m/s], excess [m] (N, 2).
-
-        The excess over the nominal length is a knee's only to first order.
-        """
-        places, rates = (
-            values[:, SLIDES] for values in (measured.joint_positions, measured.joint_velocities)
-        )
+    def _pushed(self, measured: RobotState) -> Array:
+        """Force of the motors along the legs (N, 2) [N]."""
+        torques, joints = measured.motor_torques, measured.joint_positions
         if self._geometry.knee is None:
-            return measured.motor_torques @ self._slide_efforts, rates, places
-        xp, stretch = namespace(places), leg_extension_jacobian(self._geometry, places)
-        efforts = xp.stack([measured.motor_torques @ motors for motors in self._sagittal], axis=1)
-        per_length = stretch[..., 1]
-        return (efforts * stretch).sum(-1), rates / per_length, places / per_length
+            return torques @ self._slide_efforts
+        forces = [
+            ((torques @ motors) * leg_extension_jacobian(self._geometry, joints, leg)).sum(-1)
+            for leg, motors in enumerate(self._legs)
+        ]
+        return namespace(joints).stack(forces, axis=1)
 
 
 def _odometry(feet: FootMotion) -> tuple[Array, Array]:

@@ -185,9 +185,9 @@ def adapt_to_terrain(
     mean, gradient = heights.mean(-1), ground.gradient(feet)
     for leg in range(len(names.SIDES)):
         steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
-        sagittal = [leg * names.LEG_SIZE + place for place in geometry.sagittal]
-        _, slide, ankle = sagittal
-        longer = mean - heights[:, leg]
-        result[:, sagittal] = extend_leg(geometry, joints[:, slide], longer)
-        result[:, ankle] -= namespace(yaw).arctan(steep)
+        first, longer = leg * names.LEG_SIZE, mean - heights[:, leg]
+        driven = slice(first, first + names.LEG_MOTORS)
+        result[:, driven] = extend_leg(geometry, joints, leg, longer)
+        turn = namespace(yaw).arctan(steep) / geometry.ankle_direction[1]
+        result[:, first + names.ANKLE] -= turn
     return result

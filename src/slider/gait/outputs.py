@@ -28,28 +28,24 @@ def output_matrix(geometry: Geometry) -> np.ndarray:
     heading in place of their joints (small angles), both slides or knees, the stance ankle and the
     swing hip's share: the torso stays upright where the stance foot rolls.
     """
-    matrix, knee = np.zeros((NUM_JOINTS, NUM_COORDINATES)), geometry.knee is not None
+    matrix = np.zeros((NUM_JOINTS, NUM_COORDINATES))
     matrix[:, JOINTS:] = np.eye(NUM_JOINTS)
     places = [geometry.axes.order.index(name) for name in HIP_JOINTS]
     for leg in (0, LEG):
         matrix[leg : leg + _HIP] = matrix[leg + np.array(places)]
     # Each joint turns what is below it about its axis; yaw, roll and pitch are about z, x and y.
     stance, swing = (
-        np.array([axis[[2, 0, 1]] for _, _, axis in geometry.axes.chain(lateral)]).T
+        np.array([(not joint.slides) * joint.axis[[2, 0, 1]] for joint in geometry.leg(lateral)]).T
         for lateral in (1.0, -1.0)
     )
     torso = np.zeros((_HIP, NUM_COORDINATES))
     torso[0, YAW] = torso[1, ROLL] = 1.0
-    torso[:, STANCE : STANCE + _HIP] = -stance
-    torso[_PITCH, STANCE + ANKLE] = -1.0
-    if knee:
-        torso[_PITCH, STANCE + EXTENSION] = -1.0
+    torso[:, STANCE : STANCE + LEG] = -stance
     matrix[:_HIP] = torso
     matrix[LEG : LEG + _HIP] = torso
-    matrix[LEG : LEG + _HIP, SWING : SWING + _HIP] += swing
-    matrix[LEG + ANKLE] += matrix[LEG + _PITCH]
-    if knee:
-        matrix[LEG + ANKLE, SWING + EXTENSION] += 1.0
+    matrix[LEG : LEG + _HIP, SWING : SWING + _HIP] += swing[:, :_HIP]
+    matrix[LEG + ANKLE] = matrix[LEG + _PITCH]
+    matrix[LEG + ANKLE, SWING + EXTENSION :] += swing[_PITCH, EXTENSION:]
     return matrix
 
 

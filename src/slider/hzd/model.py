@@ -94,6 +94,20 @@ class Batch:
         ]
 
 
+def _levelled(up: ca.SX, axis: np.ndarray) -> ca.SX:
+    """Angle of an ankle by which the line of a foot lies flat.
+
+    ``up`` (1, 3) is the vertical and ``axis`` (3,) the ankle's, both in the foot's frame.
+    """
+    ahead = np.eye(3)[0]
+    along, down, rest = ahead - axis[0] * axis, np.cross(ahead, axis), axis[0] * axis
+    across = up @ ca.sparsify(ca.DM(along)), up @ ca.sparsify(ca.DM(down))
+    angle = ca.atan2(*across)
+    if not axis[0]:
+        return angle
+    return angle + ca.asin(up @ ca.DM(rest) / ca.norm_2(ca.vertcat(*across)))
+
+
 class RootedModel:
     """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
 
@@ -161,7 +175,7 @@ class RootedModel:
     def _impact_map(self) -> Batch:
         s = self.symbols
         landing = s.poses(s.q)["swing_foot"].rotation
-        pitch = ca.atan2(landing[2, 0], landing[2, 2])
+        pitch = _levelled(landing[2, :], np.array(self.geometry.ankle_direction) * [-1, 1, -1])
         flat = s.q + pitch * ca.DM(np.eye(NUM)[1 + LEG + ANKLE])
         foot = s.poses(flat)["swing_foot"]
         roll = -ca.atan2(foot.rotation[2, 1], foot.rotation[2, 2])

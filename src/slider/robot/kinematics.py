@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slider.config.robot import Geometry
+from slider.config.robot import Geometry, axis_of
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.robot.names import ANKLE, EXTENSION, LEG_SIZE, UPPER_FOOT
+from slider.robot.names import ANKLE, EXTENSION, LEG_MOTORS, LEG_SIZE, UPPER_FOOT
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
@@ -55,13 +55,13 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     They are (N, 2, 2, 3): foot, end, coordinate; of rotations (N, 3, 3), base to world, and joint
     positions (N, 12).
     """
-    legs = [_leg(geometry, rotation, joints, leg) for leg in range(2)]
-    ends = [_ends(geometry, x.ankle, x.tube, joints, leg) for leg, x in enumerate(legs)]
+    ends = [_ends(geometry, _leg(geometry, rotation, joints, leg)) for leg in range(2)]
     return namespace(joints).stack(ends, axis=1)
 
 
 _LEAST_GROWTH = 0.04  # of a leg per angle of its knee, as a share of its length
 _STRAIGHTEST = 0.995  # length of a leg as a share of thigh and shank
+_ITERATIONS = 6  # of Newton's method
 
 
 class FootMotion(NamedTuple):
@@ -72,12 +72,16 @@ class FootMotion(NamedTuple):
         velocities: of the foot's material at these points (N, 2, 2, 3) [m/s].
         axes: unit vectors from ankle to hip (N, 2, 3).
         turning: how fast these axes turn (N, 2) [rad/s].
+        excess: of the legs' lengths over the nominal one (N, 2) [m].
+        growing: its rate (N, 2) [m/s].
     """
 
     positions: Array
     velocities: Array
     axes: Array
     turning: Array
+    excess: Array
+    growing: Array
 
 
 def foot_motion(
@@ -90,7 +94,7 @@ def foot_motion(
     """
     xp, count = namespace(joints), len(joints)
     positions, velocities = zeros((2, count, 2, 2, 3), joints)
-    axes, turns = zeros((count, 2, 3), joints), zeros((count, 2), joints)
+    axes, (turns, excess, growing) = zeros((count, 2, 3), joints), zeros((3, count, 2), joints)
     for leg in range(2):
         rate = rates[:, leg * LEG_SIZE :]
         links = _leg(geometry, rotation, joints, leg)
@@ -108,19 +112,24 @@ def foot_motion(
             turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
             velocity = velocity + xp.linalg.cross(omega, ankle - place)
             velocity = velocity - tube[:, :, 2] * rate[:, EXTENSION, None]
+            slide = joints[:, leg * LEG_SIZE + EXTENSION]
+            excess[:, leg], growing[:, leg] = slide, rate[:, EXTENSION]
         else:
             velocity = velocity + xp.linalg.cross(omega, links.knee - place)
-            omega = omega + tube[:, :, 1] * rate[:, EXTENSION, None]
+            omega = omega + links.axes[0] * rate[:, EXTENSION, None]
             velocity = velocity + xp.linalg.cross(omega, ankle - links.knee)
             length = xp.linalg.vector_norm(hip - ankle, axis=1)[:, None]
             axes[:, leg] = (hip - ankle) / length
-            across = xp.linalg.cross(axes[:, leg], velocity - hip_velocity) / length
+            apart = hip_velocity - velocity
+            across = xp.linalg.cross(axes[:, leg], apart) / length
             turns[:, leg] = xp.linalg.vector_norm(across, axis=1)
-        omega = omega + tube[:, :, 1] * rate[:, ANKLE, None]
-        positions[:, leg] = _ends(geometry, ankle, tube, joints, leg)
+            excess[:, leg] = length[:, 0] - geometry.leg_length
+            growing[:, leg] = (axes[:, leg] * apart).sum(-1)
+        omega = omega + links.axes[1] * rate[:, ANKLE, None]
+        positions[:, leg] = _ends(geometry, links)
         arms = positions[:, leg] - ankle[:, None]
         velocities[:, leg] = velocity[:, None] + xp.linalg.cross(omega[:, None], arms)
-    return FootMotion(positions, velocities, axes, turns)
+    return FootMotion(positions, velocities, axes, turns, excess, growing)
 
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
@@ -152,13 +161,16 @@ class _Leg(NamedTuple):
     Attributes:
         hip: place (N, 3) [m] and axis (N, 3) of each of its joints by name.
         knee, ankle: places (N, 3) [m]; the knee of a leg that slides is on its pitch axis at zero.
-        tube: rotation (N, 3, 3).
+        axes: of knee, or a vector that is none, and ankle (N, 3).
+        tube, foot: rotations (N, 3, 3).
     """
 
     hip: dict[str, tuple[Array, Array]]
     knee: Array
     ankle: Array
+    axes: tuple[Array, Array]
     tube: Array
+    foot: Array
 
 
 def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
@@ -167,29 +179,42 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
     for index, (name, place, axis) in enumerate(geometry.axes.chain(lateral)):
         if place.any():
             below = below + tube @ asarray(place, joints)
-        along = np.flatnonzero(axis)
-        unit = tube[:, :, along[0]] if len(along) == 1 else tube @ asarray(axis, joints)
-        hip[name], tube = (below, unit), tube @ _about(axis, q[:, index])
+        hip[name], tube = (below, _turned(tube, axis)), tube @ _about(axis, q[:, index])
     x, y, z = geometry.knee or (0.0, 0.0, 0.0)
     from_last = ([x, y, z] - geometry.axes.below_pitch) * [1.0, lateral, 1.0]
     knee = below + tube @ asarray(from_last, joints) if from_last.any() else below
+    bends = axis_of("slide", geometry.knee_direction, lateral)
+    turns = axis_of("ankle", geometry.ankle_direction, lateral)
+    unit = _turned(tube, bends)
     if geometry.knee is None:
         ankle = knee - tube[:, :, 2] * (geometry.leg_length + q[:, EXTENSION])[:, None]
     else:
-        tube = tube @ _about_y(q[:, EXTENSION])
+        tube = tube @ _about(bends, q[:, EXTENSION])
         ankle = knee + tube @ asarray([-x, -lateral * y, -geometry.leg_length - z], joints)
-    return _Leg(hip, knee, ankle, tube)
+    axes, foot = (unit, _turned(tube, turns)), tube @ _about(turns, q[:, ANKLE])
+    return _Leg(hip, knee, ankle, axes, tube, foot)
 
 
-def leg_extension_jacobian(geometry: Geometry, extension: Array) -> Array:
-    """Hip pitch, slide or knee, and ankle per length of the leg [m] at slides or knees (...).
+def _turned(rotation: Array, axis: np.ndarray) -> Array:
+    """A unit vector (3,) after rotations: (N, 3)."""
+    along = np.flatnonzero(axis)
+    one = len(along) == 1 and axis[along[0]] > 0.0
+    return rotation[:, :, along[0]] if one else rotation @ asarray(axis, rotation)
 
-    Along (..., 3) the leg gets longer, its direction and the foot's stay. A knee that is almost
-    straight, or beyond, counts as bent by some 10°: there no angle makes the leg longer.
+
+def leg_extension_jacobian(geometry: Geometry, joints: Array, leg: int) -> Array:
+    """Driven joints of a leg (N, 5) per its length [m] at joint positions (N, 12).
+
+    Along it the leg gets longer, its direction and that of the foot's line stay. A knee that is
+    almost straight, or beyond, counts as bent by some 10°: there no angle makes the leg longer.
     """
-    xp, zero = namespace(extension), 0.0 * extension
+    xp, extension = namespace(joints), joints[:, leg * LEG_SIZE + EXTENSION]
+    zero = 0.0 * extension
+    if not geometry.is_planar:
+        tilted = _Tilted.of(geometry, joints, leg)
+        return tilted.towards(geometry, tilted.away, 0.0 * tilted.away)
     if geometry.knee is None:
-        return xp.stack([zero, zero + 1.0, zero], axis=-1)
+        return _sagittal(geometry, zero, zero + 1.0, zero)
     x, length, sense = geometry.knee[0], geometry.leg_length, -math.copysign(1.0, geometry.knee[0])
     far, deep = _hip_to_ankle(geometry, extension)
     along, down = far - x, deep - geometry.knee[2]  # the shank
@@ -197,29 +222,102 @@ def leg_extension_jacobian(geometry: Geometry, extension: Array) -> Array:
     turn = (down * deep + far * along) / square  # of the leg per angle of the knee
     grown = sense * (far * down - deep * along) / xp.sqrt(square)
     grown = sense * grown.clip(_LEAST_GROWTH * length, None)
-    return xp.stack([-turn, zero + 1.0, turn - 1.0], axis=-1) / grown[..., None]
+    return _sagittal(geometry, -turn, zero + 1.0, turn - 1.0) / grown[:, None]
 
 
-def extend_leg(geometry: Geometry, extension: Array, longer: Array) -> Array:
-    """Change of hip pitch, slide or knee, and ankle (..., 3) that makes a leg ``longer`` [m].
+def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Array:
+    """Change of a leg's driven joints (N, 5) that makes it ``longer`` (N,) [m].
 
-    As :func:`leg_extension_jacobian`, exactly, at slides or knees ``extension`` (...). A leg with a
-    knee gets as long as it can.
+    As :func:`leg_extension_jacobian`, exactly, at joint positions (N, 12). A leg with a knee gets
+    as long as it can.
     """
-    xp, zero = namespace(extension), 0.0 * extension
+    xp, extension = namespace(joints), joints[:, leg * LEG_SIZE + EXTENSION]
+    zero = 0.0 * extension
     if geometry.knee is None:
-        return xp.stack([zero, longer, zero], axis=-1)
+        return _sagittal(geometry, zero, longer, zero)
     x, _, z = geometry.knee
     thigh, shank = math.hypot(x, z), math.hypot(x, geometry.leg_length + z)
+    bounds = abs(thigh - shank), _STRAIGHTEST * (thigh + shank)
+    if not geometry.is_planar:
+        start = _Tilted.of(geometry, joints, leg)
+        length = (start.length[:, 0] + longer).clip(*bounds)[:, None]
+        goal, moved = start.ankle + (length - start.length) * start.away, 1.0 * joints
+        change = moved[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_MOTORS]
+        for _ in range(_ITERATIONS):
+            now = _Tilted.of(geometry, moved, leg)
+            turn = xp.linalg.cross(now.line, start.line)
+            change += now.towards(geometry, goal - now.ankle, turn)
+        return change - joints[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_MOTORS]
     before = _hip_to_ankle(geometry, extension)
-    length = (before[0] ** 2 + before[1] ** 2) ** 0.5 + longer
-    length = length.clip(abs(thigh - shank), _STRAIGHTEST * (thigh + shank))
+    length = ((before[0] ** 2 + before[1] ** 2) ** 0.5 + longer).clip(*bounds)
     cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
     knee = math.copysign(1.0, x) * xp.acos(cosine.clip(-1.0, 1.0)) - geometry.bend
     after = _hip_to_ankle(geometry, knee)
     turn = xp.atan2(-after[0], -after[1]) - xp.atan2(-before[0], -before[1])
     bent = knee - extension
-    return xp.stack([-turn, bent, turn - bent], axis=-1)
+    return _sagittal(geometry, -turn, bent, turn - bent)
+
+
+def _sagittal(geometry: Geometry, pitch: Array, extension: Array, ankle: Array) -> Array:
+    """Values of a leg's driven joints (N, 5), of which roll and yaw have none."""
+    values = dict(zip(geometry.sagittal, (pitch, extension, ankle), strict=True))
+    columns = [values.get(place, 0.0 * extension) for place in range(LEG_MOTORS)]
+    return namespace(extension).stack(columns, axis=-1)
+
+
+class _Tilted(NamedTuple):
+    """A leg of N robots whose joints turn about any axes, in the base's frame.
+
+    Attributes:
+        ankle, line: place (N, 3) [m]; unit vector along the foot's line (N, 3).
+        away, length: unit vector (N, 3) and distance (N, 1) [m] from hip to ankle.
+        across: directions across the leg, and two across the line (N, 2, 3).
+        moves, turns: of the ankle [m/rad] and the foot by each driven joint (N, 5, 3).
+    """
+
+    ankle: Array
+    line: Array
+    away: Array
+    length: Array
+    across: tuple[Array, Array]
+    moves: Array
+    turns: Array
+
+    @classmethod
+    def of(cls, geometry: Geometry, joints: Array, leg: int) -> "_Tilted":
+        """At joint positions (N, 12)."""
+        xp, cross = namespace(joints), namespace(joints).linalg.cross
+        level = asarray(np.tile(np.eye(3), (len(joints), 1, 1)), joints)
+        links = _leg(geometry, level, joints, leg)
+        ankle, (bends, rolls) = links.ankle, links.axes
+        parts = [*links.hip.values(), (links.knee, bends), (ankle, rolls)]
+        places, turns = (xp.stack(values, axis=1) for values in zip(*parts, strict=True))
+        away = ankle - links.hip["hip_pitch"][0]
+        length = xp.linalg.vector_norm(away, axis=1)[:, None]
+        away, forward = away / length, cross(level[:, :, 1], away)
+        leg_across = xp.stack([forward, cross(away, forward)], axis=1)
+        across = leg_across, xp.stack([links.foot[:, :, 1], links.foot[:, :, 2]], axis=1)
+        moves = cross(turns, ankle[:, None] - places)
+        return cls(ankle, links.foot[:, :, 0], away, length, across, moves, turns)
+
+    def towards(self, geometry: Geometry, place: Array, turn: Array) -> Array:
+        """Change of joints (N, 5) that moves the ankle by a place and turns the line (N, 3)."""
+        xp, rest = namespace(place), [k for k in range(LEG_MOTORS) if k != EXTENSION]
+        pairs = zip(self.across, (self.moves, self.turns), (place, turn), strict=True)
+        rows = [(way @ by.mT, (way @ to[..., None])[..., 0]) for way, by, to in pairs]
+        held, goal = (xp.concat(values, axis=1) for values in zip(*rows, strict=True))
+        sides = xp.stack([goal, -held[:, :, EXTENSION]], axis=-1)
+        others = xp.linalg.solve(held[:, :, rest], sides)
+        along = (self.moves @ self.away[..., None])[..., 0]
+        goes, grown = (along[:, rest, None] * others).sum(1).T
+        sense = -math.copysign(1.0, geometry.bend)
+        grown = sense * (grown + along[:, EXTENSION])
+        grown = sense * grown.clip(_LEAST_GROWTH * geometry.leg_length, None)
+        bent = ((place * self.away).sum(-1) - goes) / grown
+        change = zeros((len(place), LEG_MOTORS), place)
+        change[:, rest] = others[..., 0] + others[..., 1] * bent[:, None]
+        change[:, EXTENSION] = bent
+        return change
 
 
 def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
@@ -229,13 +327,14 @@ def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
     return x - x * cosine - shank * sine, z + x * sine - shank * cosine
 
 
-def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:
-    """Lowest points of heel and toe (N, 2, 3), of ankle and rotation of the tube."""
-    foot = tube @ _about_y(joints[:, leg * LEG_SIZE + ANKLE])
-    height, ends = geometry.foot_radius - geometry.ankle_height, zeros((len(joints), 2, 3), joints)
+def _ends(geometry: Geometry, leg: _Leg) -> Array:
+    """Lowest points of heel and toe (N, 2, 3)."""
+    height, count = geometry.foot_radius - geometry.ankle_height, len(leg.ankle)
+    ends = zeros((count, 2, 3), leg.ankle)
+    down = asarray([0.0, 0.0, geometry.foot_radius], leg.ankle)
     for end, x in enumerate((-geometry.heel, geometry.toe)):
-        centre = foot @ asarray([x, 0.0, height], joints)
-        ends[:, end] = ankle + centre - asarray([0.0, 0.0, geometry.foot_radius], joints)
+        centre = leg.foot @ asarray([x, 0.0, height], leg.ankle)
+        ends[:, end] = leg.ankle + centre - down
     return ends
 
 

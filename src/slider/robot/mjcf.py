@@ -134,7 +134,7 @@ def _add_leg(
     base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float, contact: SoleContact | None
 ) -> None:
     geometry, capsule, parent = robot.geometry, mujoco.mjtGeom.mjGEOM_CAPSULE, base
-    bodies, *_, (_, knee, _, _), (_, ankle, leftward, _) = {}, *geometry.leg(sign)
+    bodies, *_, (_, knee, _, _), (_, ankle, _, _) = {}, *geometry.leg(sign)
     for joint in geometry.leg(sign):
         parent = bodies[joint.name] = _add_link(parent, robot, side, joint)
     _add_geom(
@@ -164,7 +164,7 @@ def _add_leg(
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
     # After the foot: MuJoCo numbers joints in this order, that of joint_names.
     place = np.array([0.0, 0.0, geometry.upper_foot_height])
-    upper = LegJoint("upper_foot", place, leftward, slides=False)
+    upper = LegJoint("upper_foot", place, np.eye(3)[1], slides=False)
     upper = _add_link(bodies["slide"], robot, side, upper)
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
     if geometry.knee is not None:

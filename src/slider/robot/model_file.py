@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import from_dict
-from slider.config.robot import LEAST_BEND, LINKS, TILTS, Body
+from slider.config.robot import HIP_JOINTS, LINKS, Body
 from slider.core.errors import require
+from slider.robot.model_pose import MAX_OFFSET
 from slider.robot.model_tree import (
     AXES,
     MAX_DIFFERENCE,
@@ -26,7 +27,6 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis [m]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,7 @@ class ModelFile:
         differs: largest difference of the legs, and what has it.
         lateral: y of the base's centre, which counts as 0 [m].
         foot_rotation: angle of the feet between the pose and the model's own zero [rad].
+        pose: what was solved of the pose, by joint.
         ignored: springs and constraints that do not touch a leg.
     """
 
@@ -47,6 +48,7 @@ class ModelFile:
     differs: tuple[float, str]
     lateral: float
     foot_rotation: float
+    pose: dict[str, float]
     ignored: list[str]
 
 
@@ -88,7 +90,8 @@ def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
     robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
     differs = difference, worst
-    return ModelFile(robot, tree.held(), differs, offset, tree.foot_rotation(), tree.ignored)
+    angle = tree.foot_rotation()
+    return ModelFile(robot, tree.held(), differs, offset, angle, tree.solved, tree.ignored)
 
 
 def _geometry(
@@ -101,30 +104,23 @@ def _geometry(
     axes: dict[str, Any] = {"order": order}
     for name in order:
         axes[name], above = rounded(places[name] - above), places[name]
-    for name in TILTS:
+    for name in HIP_JOINTS:
         direction = leg[name].axis if name in leg else AXES[name]
         axes[name.removeprefix("hip_") + "_direction"] = rounded(direction)
     above = places["hip_pitch"]
     reach = places["ankle"] - above
-    along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
     expected = "an ankle below the pitch axis in the nominal pose"
-    found = f"{np.round(reach, 4).tolist()} m from it"
-    if reach[2] < 0.0:
-        turn = np.arctan2(reach[0], -reach[2])
-        found += f"; in roles.pose turn the hip by {turn:.4f} rad about y, the ankle back"
-    require(along, "robot.model", expected, found)
+    require(reach[2] < 0.0, "robot.model", expected, f"{np.round(reach, 4).tolist()} m from it")
     geometry = {"axes": axes, "leg_length": rounded(-reach[2])}
+    geometry["ankle_direction"] = rounded(leg["ankle"].axis)
     if tree.has_knee:
+        geometry["knee_direction"] = rounded(leg["slide"].axis)
         geometry["knee"] = rounded(places["slide"] - above)
         geometry["upper_foot_height"] = 1e-3  # the light link is at the knee
-        ahead, expected = abs(geometry["knee"][0]), "a pose with bent knees"
-        found = f"a knee {ahead:.3f} m off the line from hip to ankle"
-        bent = ahead >= LEAST_BEND * geometry["leg_length"]
-        require(bent, "robot.roles.pose", expected, found)
     if "upper_foot" in leg:
         offset = places["upper_foot"] - above
         expected = "an upper foot above the pitch axis in the nominal pose"
-        possible = float(np.abs(offset[:2]).max()) <= _MAX_OFFSET and offset[2] > 0.0
+        possible = float(np.abs(offset[:2]).max()) <= MAX_OFFSET and offset[2] > 0.0
         require(possible, "robot.model", expected, f"{np.round(offset, 4).tolist()} m from it")
         geometry["upper_foot_height"] = rounded(offset[2])
     return geometry
@@ -136,9 +132,11 @@ def _origins(leg: Mapping[str, Part], has_knee: bool) -> dict[str, np.ndarray]:
     The yaw of a machine that lacks it is on the roll axis.
     """
     places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
-    for name in ("hip_pitch", "slide"):  # an axis is along y: no matter where on it
-        x, _, z = places[name if has_knee else "hip_pitch"]
-        places[name] = np.array([x, places["ankle"][1], z])
+    for name in ("hip_pitch", "slide"):  # no matter where on an axis
+        part = leg[name if has_knee else "hip_pitch"]
+        sideways = places["ankle"][1] - part.place[1]
+        places[name] = part.place + part.axis * sideways / part.axis[1]
+        places[name][1] = places["ankle"][1]
     return places
 
 

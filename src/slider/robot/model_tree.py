@@ -10,14 +10,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import mujoco
 import numpy as np
+from pydantic import Field
 
 from slider.config import types as t
-from slider.config.robot import HIP_JOINTS, LINKS, MAX_TURN, MIRROR, TILTS, Body
+from slider.config.robot import HIP_JOINTS, LATERAL, LINKS, MAX_TURN, MIRROR, Body, axis_of
 from slider.core.errors import UserError, require
+from slider.robot.model_pose import LegPose
 
 _KNEE = "knee"
 LOCKED = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
@@ -44,13 +46,17 @@ class Roles(t.Group):
     Attributes:
         base: name of a body.
         joints: left and right joint of each role, null for a role that the machine lacks.
-        pose: positions of joints that count as zero or are held there.
+        pose: positions of joints that count as zero or are held there. What is not typed, or does
+            not fit, is solved: soles level as in the model's own zero, ankles below the hips.
+        bend: angle of the knees in the pose from straight legs [rad]; null: the typed one, the
+            model's own, or 0.5 where that is straight.
         side: leg to take where the two differ.
     """
 
     base: t.Name
     joints: dict[str, tuple[t.Name, t.Name] | None]
     pose: dict[str, t.Number] = field(default_factory=dict)
+    bend: Annotated[t.Number, Field(gt=0.0, lt=np.pi)] | None = None
     side: Literal["left", "right"] | None = None
 
 
@@ -72,7 +78,14 @@ class ModelTree:
         self._roles = {index for pair in self._joints.values() for index in pair}
         self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
-        self._zero = self._pose(roles.pose)
+        self._zero, self.solved = self._pose(roles.pose), dict[str, float]()
+        for side in range(2):
+            joints = {name: pair[side] for name, pair in self._joints.items()}
+            leg = LegPose(model, self._data, self._base, joints, self.has_knee)
+            names = {name: model.joint(index).name for name, index in joints.items()}
+            typed = [name for name in joints if names[name] in roles.pose]
+            for name, angle in leg.solve(typed, roles.bend).items():
+                self._zero[joints[name]] = self.solved[names[name]] = angle
         mujoco.mj_kinematics(model, self._data)
         mujoco.mj_comPos(model, self._data)
         self._origin = self._data.xpos[self._base]
@@ -186,7 +199,7 @@ class ModelTree:
             joint, axis = self._joint(name, side)
             if side == 1:
                 place, body = place * MIRROR, body.reflected
-                axis = axis * MIRROR if name in TILTS else axis
+                axis = axis_of(name, axis, -1.0) if self._turns(name) else axis
             parts[name] = Part(place, axis, body, joint)
         return parts
 
@@ -232,13 +245,13 @@ class ModelTree:
         """Range and passive properties, of a left leg; unit vector along the axis (3,)."""
         model, index = self._model, self._joints[name][side]
         key = f"robot.roles.joints.{_KNEE if name == 'slide' and self.has_knee else name}"
-        slides, text = name == "slide" and not self.has_knee, model.joint(index).name
+        slides, text = not self._turns(name), model.joint(index).name
         possible = model.jnt_type[index] == _MOVES[slides]
         expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
         require(possible, key, expected, text)
         axis, sign = self._direction(name, side, key)
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
-        if side == 1 and name in TILTS:
+        if side == 1 and name in LATERAL:
             sign = -sign
         ends = sign * (model.jnt_range[index] - self._zero[index])
         most = np.inf if slides else 2 * np.pi
@@ -252,13 +265,16 @@ class ModelTree:
         values["armature"] = model.dof_armature[dof]
         return {name: rounded(value) for name, value in values.items()}, axis
 
+    def _turns(self, name: str) -> bool:
+        return name != "slide" or self.has_knee
+
     def _direction(self, name: str, side: int, key: str) -> tuple[np.ndarray, float]:
         """Unit vector (3,) of an axis as its role has it; −1 where the file's is against it."""
         index = self._joints[name][side]
         axis = self._turn @ self._data.xaxis[index]
         along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
         sign = float(np.sign(axis @ along))
-        tilts = name in TILTS
+        tilts = self._turns(name) and name != "upper_foot"
         turn = np.arccos(np.clip(sign * axis @ along, -1.0, 1.0))
         most = np.deg2rad(MAX_TURN) if tilts else _MAX_TILT
         letter = "xyz"[int(np.abs(along).argmax())]

@@ -6,7 +6,7 @@ of the hip. x forward, y left, z up.
 
 from collections.abc import Iterable
 
-from slider.config.robot import TILTS, Geometry
+from slider.config.robot import LATERAL, Geometry
 
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")
@@ -42,7 +42,7 @@ def _both(leg: tuple[str, ...]) -> tuple[str, ...]:
 
 def mirror_sign(geometry: Geometry) -> tuple[float, ...]:
     """Signs (12) of the reflection at the sagittal plane, which swaps the legs: of yaw and roll."""
-    return tuple(-1.0 if name in TILTS else 1.0 for name in geometry.leg_joints) * len(SIDES)
+    return tuple(-1.0 if name in LATERAL else 1.0 for name in geometry.leg_joints) * len(SIDES)
 
 
 # What a robot is commanded to: velocity of the base in its heading frame [m/s], yaw rate [rad/s].

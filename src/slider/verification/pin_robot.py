@@ -55,9 +55,11 @@ class PinRobot:
             parent = root
             for name, joint in zip(geometry.leg_joints, leg, strict=False):
                 place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
-                # In the mirror yaw and roll turn the other way about an axis whose y flips.
-                turns_back = name in ("hip_yaw", "hip_roll")
-                axis = joint.axis * [1.0, sign, 1.0] if turns_back else joint.axis
+                # In the mirror yaw and roll turn the other way about an axis whose y flips; the
+                # others turn the same way about one whose x and z do. A slide stays.
+                turns_back = name in ("hip_yaw", "hip_roll") or joint.kind is not _TURNS
+                flips = [1.0, sign, 1.0] if turns_back else [sign, 1.0, sign]
+                axis = joint.axis * flips
                 parent = self.model.addJoint(parent, joint.kind(axis), place, f"{side}_{name}")
                 body = joint.body
                 if side != SIDES[0]:
@@ -235,7 +237,8 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
     kind, axis = pin.JointModelPrismaticUnaligned, -_UP
     knee, ankle = np.zeros(3), -geometry.leg_length * _UP
     if geometry.knee is not None:
-        kind, axis, knee = _TURNS, _LEFT, np.array(geometry.knee)
+        kind, axis = _TURNS, np.array(geometry.knee_direction)
+        knee = np.array(geometry.knee)
     order, below = geometry.axes.order, np.zeros(3)  # from the pitch axis to the last of the hip
     for name in order[order.index("hip_pitch") + 1 :]:
         below = below + getattr(geometry.axes, name)
@@ -243,7 +246,9 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
     chain = {
         **{name: hip[name] for name in order},
         "slide": _LegJoint(kind, axis, knee - below, _inertia_of(links.tube) + upper),
-        "ankle": _LegJoint(_TURNS, _LEFT, ankle - knee, _inertia_of(links.foot)),
+        "ankle": _LegJoint(
+            _TURNS, np.array(geometry.ankle_direction), ankle - knee, _inertia_of(links.foot)
+        ),
     }
     return [
         joint._replace(rotor=rotors[name] + own.armature, damping=own.damping)
@@ -257,7 +262,7 @@ def _hip(robot: Mechanism) -> dict[str, _LegJoint]:
     parts = {
         "hip_yaw": (axes.yaw_direction, links.yaw),
         "hip_roll": (axes.roll_direction, links.roll),
-        "hip_pitch": (_LEFT, links.pitch),
+        "hip_pitch": (axes.pitch_direction, links.pitch),
     }
     return {
         name: _LegJoint(_TURNS, np.array(axis), np.array(getattr(axes, name)), _inertia_of(link))

@@ -37,8 +37,8 @@ def change(ground, phase: float, heading: float = 0.0):
     """Of the coordinates, with derivatives."""
     memory = Memory.on_both_feet(np.zeros((COUNT, 3)), np.full(COUNT, heading))
     memory.ground = ground
-    sagittal, stretch = np.array([2, 3, 4]), np.array([0.0, 1.0, 0.0])
-    return terrain_motion(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), sagittal, stretch)
+    stretch = np.tile([0.0, 0.0, 0.0, 1.0, 0.0], (2, 1))
+    return terrain_motion(memory, ROBOTS, FOOTHOLDS, np.full(COUNT, phase), stretch, 1.0)
 
 
 @pytest.mark.parametrize(("phase", "legs"), [(0, [0, 0]), (0.5, [0.01, -0.01]), (1, [0.02, -0.02])])

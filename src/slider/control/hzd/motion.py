@@ -13,6 +13,7 @@ from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapp
 from slider.gait.outputs import (
     ANKLE,
     JOINTS,
+    LEG,
     NUM_COORDINATES,
     STANCE,
     SWING,
@@ -95,8 +96,8 @@ def terrain_motion(
     robots: np.ndarray,
     footholds: np.ndarray,
     phase: np.ndarray,
-    sagittal: np.ndarray,
     stretch: np.ndarray,
+    level: float,
 ) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
 
@@ -111,23 +112,23 @@ def terrain_motion(
         memory, robots: with the ground; indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
         phase: of the steps (n,).
-        sagittal: places of hip pitch, slide or knee, and ankle among the joints of a leg (3,).
-        stretch: of these per length of the leg (3,).
+        stretch: joints of the stance and the swing leg per length (2, 5).
+        level: angle of an ankle per pitch of its foot.
     """
     ground = memory.ground.of(robots)
     height, slope = ground.height(footholds, gaps=False), ground.gradient(footholds)
     _, last, following = (height - height[:, :1]).T
     steep = turn_to_heading(slope, memory.heading[robots, None])[..., 0]
-    under, before, after = np.arctan(steep).T
+    under, before, after = level * np.arctan(steep).T
     rise, turn = following - last, after - before
     middle = last + rise * phase, rise, np.zeros_like(rise)
     orders = np.zeros((3, len(phase), NUM_COORDINATES))
-    stance, swing = STANCE + sagittal, SWING + sagittal
+    stance, swing = (slice(first, first + LEG) for first in (STANCE, SWING))
     for order, (lift, share) in enumerate(zip(middle, smooth_step(phase), strict=True)):
-        orders[order][:, stance] = (lift / 2)[:, None] * stretch
-        orders[order][:, swing] = (lift / 2 - rise * share)[:, None] * stretch
+        orders[order][:, stance] = (lift / 2)[:, None] * stretch[0]
+        orders[order][:, swing] = (lift / 2 - rise * share)[:, None] * stretch[1]
         orders[order, :, SWING + ANKLE] -= turn * share
-    orders[0][:, swing] -= last[:, None] * stretch
+    orders[0][:, swing] -= last[:, None] * stretch[1]
     orders[0, :, SWING + ANKLE] -= before
     orders[0, :, STANCE + ANKLE] -= under
     return orders[0], orders[1], orders[2]

@@ -17,6 +17,7 @@ from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
 from slider.hzd.constraints import Orders, phase_of, phase_rate
 from slider.robot.kinematics import leg_extension_jacobian, turn_to_heading
+from slider.robot.names import NUM_JOINTS
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
@@ -45,8 +46,10 @@ class HzdSteps(Stepping):
     ) -> None:
         self._config, self._constraints = config, gaits.constraints
         self._gaits = gaits
-        self._stretch = leg_extension_jacobian(robot.geometry, np.zeros(()))
-        self._sagittal = np.array(robot.geometry.sagittal)
+        still = np.zeros((1, NUM_JOINTS))
+        legs = [leg_extension_jacobian(robot.geometry, still, leg)[0] for leg in range(2)]
+        self._stretch = np.array(legs)  # of the stance leg, of the swing leg in the reflection
+        self._level = 1.0 / robot.geometry.ankle_direction[1]
         self._signs = driven_signs(robot.geometry)
         self._body, self._period = plant.body, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
@@ -145,7 +148,7 @@ class HzdSteps(Stepping):
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
-        return terrain_motion(memory, robots, footholds, walk.phase, self._sagittal, self._stretch)
+        return terrain_motion(memory, robots, footholds, walk.phase, self._stretch, self._level)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
@@ -202,8 +205,8 @@ class HzdSteps(Stepping):
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.duration * (late > 0)
-        value[:, SWING + self._sagittal] += (sinking * late)[:, None] * self._stretch
-        slope[:, SWING + self._sagittal] += sinking[:, None] * self._stretch
+        value[:, SWING:] += (sinking * late)[:, None] * self._stretch[1]
+        slope[:, SWING:] += sinking[:, None] * self._stretch[1]
         error, error_rate = value - now.x, slope * rate - now.rate
         desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.hip.at(walk.phase))

@@ -1,0 +1,121 @@
+"""The nominal pose of a leg of a model file: sole level, ankle below the hip, knee bent."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from slider.config.robot import HIP_JOINTS, LEAST_BEND, MAX_TURN
+from slider.core.errors import require
+
+MAX_OFFSET = 1e-3  # of an ankle from the line below the pitch axis [m]
+LEVEL = 0.02  # that a sole may be off [rad]
+_FAR = 0.2  # of a typed foot from the model's own zero, which is then not level [rad]
+_CLOSE = 1e-5  # that a solved pose misses [rad], [m]
+_BEND = 0.5  # of knees of which nothing else is said [rad]
+
+
+class LegPose:
+    """A leg of a compiled model, whose joints (by role) it moves; ``base`` is a body."""
+
+    def __init__(
+        self, model: mujoco.MjModel, data: Any, base: int, joints: Mapping[str, int], knee: bool
+    ) -> None:
+        self._model, self._data, self._base, self._joints = model, data, base, joints
+        self._knee = knee
+        zero = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, zero)
+        self._level = self._foot(zero)
+
+    def solve(self, typed: Sequence[str], bend: float | None) -> dict[str, float]:
+        """Angles by role that the data get in place of theirs; none where the pose is one already.
+
+        A ``typed`` yaw, roll or knee stays. The sole is level as in the model's own zero, or with a
+        typed ankle that turns it far from there as in the pose. ``bend`` is that of the knee from
+        the straight leg [rad]; null: the pose's, or 0.5 if it is straight.
+
+        Raises:
+            UserError: there is no such pose.
+        """
+        model, data = self._model, self._data
+        mujoco.mj_kinematics(model, data)
+        across = ["hip_pitch", "slide"] if self._knee else ["hip_pitch"]
+        if any(abs(self._seen(name)[1][1]) < np.cos(np.deg2rad(MAX_TURN)) for name in across):
+            return {}  # to be refused for its axis
+        bends = bend is not None or (self._knee and self._off() < LEAST_BEND)
+        posed, level = self._foot(data), self._level
+        far = Rotation.from_matrix(posed @ level.T).magnitude() > _FAR
+        level = posed if far and "ankle" in typed else level
+        start = {name: float(data.qpos[self._place(name)]) for name in self._joints}
+        if bends and self._knee:
+            self._bend(_BEND if bend is None else bend)
+        solved = [n for n in HIP_JOINTS if n in self._joints and n not in typed]
+        solved = [*dict.fromkeys([*solved, "hip_pitch", "ankle"])]
+
+        def missed(angles: Sequence[float]) -> np.ndarray:
+            for name, angle in zip(solved, angles, strict=True):
+                data.qpos[self._place(name)] = angle
+            mujoco.mj_kinematics(model, data)
+            turned = Rotation.from_matrix(self._foot(data) @ level.T).as_rotvec()
+            return np.append(turned, self._ahead())
+
+        first = [start[name] for name in solved]
+        *turned, ahead = missed(first)
+        level_enough = "ankle" in typed or np.linalg.norm(turned) <= LEVEL
+        if not bends and level_enough and abs(ahead) <= MAX_OFFSET:
+            return {}
+        found = least_squares(missed, first, xtol=1e-14, ftol=1e-14)
+        rest = np.abs(missed(np.round(found.x, 6) + 0.0)).max()  # the same on every machine
+        expected = "a pose with a level sole and the ankle below the pitch axis, or angles near one"
+        require(rest < _CLOSE, "robot.roles.pose", expected, f"one that misses it by {rest:.3g}")
+        now = {name: float(data.qpos[self._place(name)]) for name in self._joints}
+        return {name: value for name, value in now.items() if value != start[name]}
+
+    def _place(self, name: str) -> int:
+        return self._model.jnt_qposadr[self._joints[name]]
+
+    def _foot(self, data: Any) -> np.ndarray:
+        """Rotation (3, 3) of the foot in the base's frame."""
+        foot = self._model.jnt_bodyid[self._joints["ankle"]]
+        base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
+        return base.T @ own
+
+    def _seen(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Place (3,) and axis (3,) of a joint in the base's axes."""
+        turn, index = self._data.xmat[self._base].reshape(3, 3).T, self._joints[name]
+        return turn @ self._data.xanchor[index], turn @ self._data.xaxis[index]
+
+    def _sides(self) -> tuple[np.ndarray, np.ndarray]:
+        """From the pitch axis to the ankle (3,), at the ankle's y; likewise from the knee."""
+        ankle, ways = self._seen("ankle")[0], []
+        for name in ("hip_pitch", "slide"):
+            place, axis = self._seen(name)
+            ways.append(ankle - place - axis * (ankle - place)[1] / axis[1])
+        return ways[0], ways[1]
+
+    def _ahead(self) -> float:
+        place, axis = self._seen("hip_pitch")
+        way = self._seen("ankle")[0] - place
+        return float((way - axis * way[1] / axis[1])[0])
+
+    def _off(self) -> float:
+        """Distance of a knee from the line from hip to ankle, as a share of that."""
+        leg, shank = self._sides()
+        return float(np.linalg.norm(np.cross(leg, shank)) / (leg @ leg))
+
+    def _bend(self, angle: float) -> None:
+        """Bend the knee by an angle [rad] from the straight leg, in the sense of its range."""
+        (leg, shank), axis = self._sides(), self._seen("slide")[1]
+        thigh, shank = (part - (part @ axis) * axis for part in (leg - shank, shank))
+        flexion = np.arctan2(np.cross(thigh, shank) @ axis, thigh @ shank)
+        index, place = self._joints["slide"], self._place("slide")
+        straight = float(self._data.qpos[place] - flexion)
+        middle = self._model.jnt_range[index].mean() if self._model.jnt_limited[index] else 0.0
+        sense = 1.0 if middle >= straight else -1.0
+        self._data.qpos[place] = round(straight + sense * angle, 6)

@@ -199,8 +199,8 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     model = {"robot": robot(config), "physics": to_dict(config.env.physics)}
     audits, rows, evaluations = {}, [], []
     for contact in settings.contacts:
-        section = model | {"drake": {"timestep": settings.timestep, "contact": contact}}
-        label, name = f"audit of Drake's model, {contact}", f"Drake, {contact}"
+        section = model | {"drake": {"timestep": settings.timestep, "contact": to_dict(contact)}}
+        label, name = f"audit of Drake's model, {contact.label}", f"Drake, {contact.label}"
         audits[name] = job("drake_audit", label, section, tracked=False)
     for friction in (usual, *settings.frictions):
         protocol = settings.protocol if friction == usual else slippery

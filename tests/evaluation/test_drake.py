@@ -10,6 +10,8 @@ pytest.importorskip("pydrake", reason="Drake is not installed: pip install -e '.
 
 from pipeline.stages import all_jobs
 from pipeline.stages.evaluation import second_engine
+from slider.config.convert import to_dict
+from slider.config.evaluation import DrakeContact
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.disturbance import Disturbance
@@ -26,7 +28,8 @@ from tests.env.synthetic import config
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.evaluation.test_stage import section
 
-DRAKE = {"timestep": 0.001, "contact": "lagged"}
+CONTACT = DrakeContact("lagged", 10.0)
+DRAKE = {"timestep": 0.001, "contact": to_dict(CONTACT)}
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +41,9 @@ def model():
 
 
 def audit(model, built):
-    return drake.audit(model, DrakeRobot(built, **DRAKE), nominal_qpos(config().robot))
+    return drake.audit(
+        model, DrakeRobot(built, DRAKE["timestep"], CONTACT), nominal_qpos(config().robot)
+    )
 
 
 def test_the_model_has_mujocos_numbers(model):
@@ -132,7 +137,8 @@ def test_a_robot_that_cannot_stand_falls_and_disturbed_ones_are_refused(tmp_path
 
 
 def test_engines_and_frictions_stand_side_by_side(tmp_path, model, constant_code):
-    whole = composed("experiment=test", "speeds.table1=[0.4]", "second_engine.contacts=[lagged]")
+    contacts = "second_engine.contacts=[{approximation:lagged,dissipation:10}]"
+    whole = composed("experiment=test", "speeds.table1=[0.4]", contacts)
     made = second_engine(whole, all_jobs(whole))
     here, there, slippery, again = made.inputs["evaluations"]
     assert (here.stage, there.stage) == ("evaluation", "drake_evaluation")
@@ -150,5 +156,5 @@ def test_engines_and_frictions_stand_side_by_side(tmp_path, model, constant_code
     report.run(dict(made.section), inputs, tmp_path, Job(tmp_path))
     lines = (tmp_path / "second_engine.md").read_text().splitlines()
     assert "| Success rate [%] | policy (ours) | MuJoCo | 100 | 100 |" in lines
-    assert "|  | policy (ours) | Drake, lagged | 50 | 100 |" in lines
+    assert "|  | policy (ours) | Drake, lagged, 10 s/m | 50 | 100 |" in lines
     assert any(line.startswith("| gravity torque | ") for line in lines)

@@ -247,6 +247,24 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
         return [float(value) for value in values][: self.levels]
 
 
+class DrakeContact(t.Group):
+    """Point contact in Drake; what is not here is Drake's default."""
+
+    approximation: Literal["lagged", "similar", "sap"]
+    """of its solver SAP"""
+    dissipation: t.Positive[t.SecondsPerMetre] | None = None
+    """of Hunt and Crossley, of both bodies; null is Drake's default, of which sap has none"""
+
+    def __post_init__(self) -> None:
+        unused = self.approximation == "sap" and self.dissipation is not None
+        t.require(not unused, "dissipation", "null with approximation=sap", self.dissipation)
+
+    @property
+    def label(self) -> str:
+        """Name in tables."""
+        return self.approximation + ("" if (d := self.dissipation) is None else f", {d:g} s/m")
+
+
 class SecondEngineConfig(t.Group):
     """Drake beside MuJoCo: a protocol on both, and the policy on floors of less friction."""
 
@@ -254,8 +272,8 @@ class SecondEngineConfig(t.Group):
     """on both engines, from the same starts"""
     timestep: t.Positive[t.Seconds]
     """of Drake; a divisor of env.physics.timestep"""
-    contacts: t.Distinct[t.Some[Literal["lagged", "similar", "sap"]]]
-    """of Drake, its approximations of contact"""
+    contacts: t.Some[DrakeContact]
+    """of Drake"""
     frictions: t.Falling[t.Some[t.Positive[t.Factor]]]
     """of feet and floor, in place of robot.contact.friction, until the robots fall"""
     friction_controllers: t.Distinct[t.Some[t.Name]]
@@ -266,6 +284,8 @@ class SecondEngineConfig(t.Group):
     def __post_init__(self) -> None:
         constant = self.protocol.profile is None
         t.require(constant, "protocol.profile", "null: constant speeds", "a profile")
+        labels = [contact.label for contact in self.contacts]
+        t.require(len({*labels}) == len(labels), "contacts", "each once", "; ".join(labels))
 
 
 class RangeConfig(t.Group):

@@ -17,6 +17,8 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from slider.config.convert import from_dict
+from slider.config.evaluation import DrakeContact
 from slider.core.errors import require
 from slider.env.disturbance import Disturbance, has_terrain
 from slider.env.physics import BatchedPhysics
@@ -33,7 +35,7 @@ class DrakeRobot:
         plant, context: Drake's model and its state.
     """
 
-    def __init__(self, model: mujoco.MjModel, timestep: float, contact: str) -> None:
+    def __init__(self, model: mujoco.MjModel, timestep: float, contact: DrakeContact) -> None:
         builder = DiagramBuilder()
         self.plant = add_robot(builder, model, timestep, contact)
         motors = Motors.of(model)
@@ -114,7 +116,8 @@ class DrakePhysics(BatchedPhysics):
             config, expected = disturbance.config, "nominal robots on flat ground, not pushed"
             others = vary(config) or has_terrain(config) or config.push.impulse.upper > 0
             require(not others, "Drake: disturbance", expected, "others")
-        self._build = partial(DrakeRobot, self.model, **drake)
+        contact = from_dict(DrakeContact, drake["contact"])
+        self._build = partial(DrakeRobot, self.model, drake["timestep"], contact)
         self._robot, self._timestep = self._build(), self.model.opt.timestep
         self._ratio = round(self._timestep / drake["timestep"])
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.env import PhysicsConfig
+from slider.config.evaluation import DrakeContact
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
@@ -50,8 +51,9 @@ def run_audit(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     robot = from_dict(RobotConfig, section["robot"])
     physics = from_dict(PhysicsConfig, section["physics"])
     model = build_model(robot, SimulationOptions.of(physics))
-    model.opt.timestep = section["drake"]["timestep"]
-    found = audit(model, DrakeRobot(model, **section["drake"]), nominal_qpos(robot))
+    contact = from_dict(DrakeContact, section["drake"]["contact"])
+    timestep = model.opt.timestep = section["drake"]["timestep"]
+    found = audit(model, DrakeRobot(model, timestep, contact), nominal_qpos(robot))
     (out / AUDIT).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     return {"quantities": len(found)}
 

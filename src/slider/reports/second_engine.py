@@ -15,7 +15,7 @@ from slider.evaluation import AUDIT
 from slider.reports import report
 from slider.reports.report import across
 
-COMPARED = ("success_rate", "mse_steady", "tracking_rate", "slip", "penetration", "contact_rate")
+COMPARED = ("success_rate", "mse_steady", "tracking_rate", "slip", "penetration")
 _SIZES = ("difference", "allowed")
 _FALLEN = ("success_rate", "mse_steady", "slip")
 _CAPTION = """\

@@ -35,6 +35,7 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.primitives import Adder, MatrixGain, Saturation
 
+from slider.config.evaluation import DrakeContact
 from slider.robot import names
 
 # Drake warns of half spaces and deformable bodies, of which there are none.
@@ -108,20 +109,20 @@ def add_drives(builder: Any, plant: Any, motors: Motors) -> tuple[Any, Any]:
 
 
 def add_robot(
-    builder: Any, model: mujoco.MjModel, timestep: float, contact: str
+    builder: Any, model: mujoco.MjModel, timestep: float, contact: DrakeContact
 ) -> "MultibodyPlant":
-    """Add robot and ground, stepped by ``timestep`` [s]; stiffness and damping are Drake's default.
-
-    ``contact`` is one of Drake's approximations of point contact that its solver SAP solves.
-    """
-    settings = MultibodyPlantConfig(time_step=timestep, discrete_contact_approximation=contact)
+    """Add robot and ground, stepped by ``timestep`` [s]."""
+    approximation = contact.approximation
+    settings = MultibodyPlantConfig(
+        time_step=timestep, discrete_contact_approximation=approximation
+    )
     plant, scene = AddMultibodyPlant(settings, builder)
     plant.mutable_gravity_field().set_gravity_vector(model.opt.gravity)
     bodies = [plant.world_body()]
     for index in range(1, model.nbody):
         bodies.append(plant.AddRigidBody(model.body(index).name, _inertia(model, index)))
         _add_joint(plant, model, bodies[model.body_parentid[index]], bodies[index], index)
-    _add_geometry(plant, scene, model, bodies)
+    _add_geometry(plant, scene, model, bodies, contact.dissipation)
     plant.Finalize()
     return plant
 
@@ -160,7 +161,9 @@ def _add_joint(plant: Any, model: mujoco.MjModel, parent: Any, child: Any, body:
     actuator.set_default_rotor_inertia(inertia)
 
 
-def _add_geometry(plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[Any]) -> None:
+def _add_geometry(
+    plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[Any], dissipation: float | None
+) -> None:
     """The parts that collide in MuJoCo with the ground or with each other; no others do."""
     feet, shapes, grounded = {names.foot(side) for side in names.SIDES}, {}, []
     for geom in range(model.ngeom):
@@ -170,7 +173,8 @@ def _add_geometry(plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[An
         friction = model.geom_friction[geom, 0]
         if name == names.FLOOR:  # Drake's friction of a pair is the harmonic mean
             friction = model.geom(names.foot(names.SIDES[0])).friction[0]
-        AddContactMaterial(properties=properties, friction=CoulombFriction(friction, friction))
+        rough = CoulombFriction(friction, friction)
+        AddContactMaterial(properties=properties, dissipation=dissipation, friction=rough)
         shape = _SHAPES[_GEOM(model.geom_type[geom])](model.geom_size[geom])
         shapes[geom] = plant.RegisterCollisionGeometry(body, pose, shape, name, properties)
         if name in feet:

@@ -76,6 +76,86 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
 
 
+def footed(folder: Path, x: float, y: float, turn: float = 0.0) -> Path:
+    """SLIDER with feet that are boxes of 0.2 × 0.1 × 0.02 m, their middles beside the ankles."""
+    spec = build_spec(SLIDER, SimulationOptions())
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        foot = spec.joint(f"{side}_ankle").parent
+        for geom in list(foot.geoms):
+            spec.delete(geom)
+        place = [x, sign * y, -0.03]
+        quat = [np.cos(turn / 2), 0.0, np.sin(turn / 2), 0.0]
+        box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": [0.1, 0.05, 0.01], "quat": quat}
+        foot.add_geom(name=f"{side}_sole", pos=place, contype=1, **box)
+    for part in [*spec.pairs, *spec.sensors]:
+        spec.delete(part)
+    spec.compile()
+    path = folder / "robot.xml"
+    path.write_text(spec.to_xml(), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("side", [None, "right"])
+def test_the_line_is_in_the_middle_of_the_models_sole(side, tmp_path):
+    path, roles = footed(tmp_path, 0.03, 0.02), ROLES | {"side": side}
+    found = read_model(path, roles)
+    sole = {"y": 0.12, "width": 0.1, "ankle_height": 0.04, "toe": 0.13, "heel": 0.07}
+    assert found.foot == pytest.approx(sole, abs=1e-6)
+    geometry, links = found.values["geometry"], found.values["links"]
+    assert [geometry[name] for name in ("ankle_height", "toe", "heel")] == pytest.approx(
+        [0.04, 0.13, 0.07], abs=1e-6
+    )
+    assert sum(geometry["axes"][name][1] for name in AXES_Y) == pytest.approx(0.12)
+    assert links["tube"]["com"][1] == pytest.approx(SLIDER.links.tube.com[1] - 0.02)
+    assert links["roll"]["com"][1] == pytest.approx(SLIDER.links.roll.com[1])
+    typed = read_model(path, roles | {"foot_y": 0.09}).values["geometry"]["axes"]
+    assert sum(typed[name][1] for name in AXES_Y) == pytest.approx(0.09)
+    width, depth = (np.ptp(np.array(outline)[:, 0]) for outline in found.outlines)
+    assert (width, depth) == pytest.approx((0.2, 0.1), abs=1e-3)
+
+
+AXES_Y = ("hip_yaw", "hip_roll", "hip_pitch")
+
+
+def test_a_sole_that_is_not_level_is_told(tmp_path):
+    found = read_model(footed(tmp_path, 0.0, 0.0, 0.175), ROLES)
+    assert "sole is not level in roles.pose: turn the ankle by -0.17 rad" in " ".join(found.remarks)
+    assert found.values["geometry"].keys().isdisjoint(["ankle_height", "toe", "heel"])
+
+
+@pytest.mark.parametrize(
+    ("x", "roles", "message"),
+    [
+        (0.03, {"forward": "-x"}, "(the base looks along −x: roles.forward: -x)"),
+        (0.03, {"joints": {k: [*reversed(v)] for k, v in ROLES["joints"].items()}}, "are swapped)"),
+    ],
+)
+def test_a_base_that_looks_backwards_is_told_from_legs_that_are_swapped(
+    x, roles, message, tmp_path
+):
+    with pytest.raises(UserError, match=re.escape(message)):
+        read_model(footed(tmp_path, x, 0.0), ROLES | roles)
+
+
+def test_legs_that_are_swapped_on_a_base_that_looks_backwards(tmp_path, capsys):
+    footed(tmp_path, 0.03, 0.0)
+    text = SWAPPED.replace("roles: {", "roles: {forward: -x, ")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    assert main(["robot", str(tmp_path), "--conf", str(CONF)]) == 0
+    assert "remark: the feet are behind the ankles" in capsys.readouterr().out
+
+
+def test_a_line_beside_the_models_sole_is_told(tmp_path, capsys):
+    footed(tmp_path, 0.03, 0.02)
+    text = TEXT.replace("roles: {", "geometry: {toe: 0.085}\nroles: {foot_y: 0.11, ")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    assert main(["robot", str(tmp_path), "--conf", str(CONF)]) == 0
+    said = capsys.readouterr().out
+    assert "remark: y of the foot line is 0.110 m, of the model 0.120" in said
+    assert "remark: toe of the foot line is 0.085 m, of the model 0.130" in said
+    assert "remark: heel" not in said
+
+
 def test_a_pose_that_turns_the_feet_is_told(tmp_path):
     robot = mjcf(SLIDER, tmp_path)
     assert read_model(robot, ROLES | {"pose": {}}).foot_rotation == pytest.approx(0.0, abs=1e-6)
@@ -222,6 +302,9 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     assert values["joints"]["slide"] == pytest.approx(slide)
 
 
+BOX = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+
+
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
@@ -231,9 +314,9 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
             "found joint constraint of left_ankle and arm_joint",
         ),
         (
-            'name="box"><inertial>.*?</inertial>',
-            'name="box"><collision><geometry><box size="1 1 1"/></geometry></collision>',
-            "masses of inertial elements in bodies, found box without",
+            'name="left_ankle_link"><inertial>.*?</inertial>',
+            f'name="left_ankle_link">{BOX}',
+            "masses of inertial elements in bodies, found left_ankle_link without",
         ),
     ],
     ids=["mimic", "without inertia"],
@@ -244,6 +327,56 @@ def test_a_urdf_is_one_whatever_its_file_is_called(before, after, message, tmp_p
     path.write_text(f"<!-- <mujoco> -->{re.sub(before, after, text, count=1)}", encoding="utf-8")
     with pytest.raises(UserError, match=message):
         read_model(path, {"base": "base", "joints": NO_YAW})
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "remark", "mass"),
+    [
+        ('name="box"><inertial>.*?</inertial>', f'name="box">{BOX}', "no mass: box", -0.25),
+        ('(name="box".*?)ixx="', r'\1ixx="-', "inertia, so a point mass: box", 0.0),
+        ('name="arm"><inertial>.*?</inertial>', 'name="arm">', "", -0.25),
+        ('(name="arm".*?mass value=)"0.25"', r'\1"0"', "", -0.25),
+    ],
+)
+def test_held_bodies_without_mass_or_with_an_impossible_inertia(
+    before, after, remark, mass, tmp_path
+):
+    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
+    expected = read_model(path, roles).values["links"]["base"]["mass"] + mass
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(before, after, text, count=1), encoding="utf-8")
+    found = read_model(path, roles)
+    assert found.values["links"]["base"]["mass"] == pytest.approx(expected, abs=1e-6)
+    assert remark in " ".join(found.remarks)
+
+
+@pytest.mark.parametrize("name", ["robot.URDF", "robot.model"])
+def test_the_ending_of_a_files_name_is_of_no_matter(name, tmp_path):
+    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
+    expected = read_model(path, roles)
+    assert read_model(path.rename(tmp_path / name), roles) == expected
+
+
+def test_the_base_may_have_its_frame_at_the_ground_or_look_elsewhere(tmp_path):
+    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
+    expected = read_model(path, roles)
+    root = '<joint name="root" type="fixed"><parent link="footprint"/><child link="base"/>'
+    root += '<origin xyz="0 0 0.7" rpy="0 0 {}"/></joint><link name="footprint"/></robot>'
+    text = path.read_text(encoding="utf-8")
+    for turn, forward in ((0.0, "x"), (np.pi, "-x"), (np.pi / 2, "y"), (-np.pi / 2, "-y")):
+        path.write_text(text.replace("</robot>", root.format(turn)), encoding="utf-8")
+        found = read_model(path, roles | {"base": "footprint", "forward": forward})
+        (remark,) = (text for text in found.remarks if "origin" in text)
+        above = np.sum(list(expected.values["geometry"]["axes"].values())[1:4], axis=0)[2]
+        assert remark == f"the base's origin is {0.7 + above:.3f} m above that of the model, " + (
+            "between the hips"
+        )
+        given, own = flat(found.values), flat(expected.values)
+        for name in ("links.tube.com", "links.base.mass", "geometry.leg_length"):
+            np.testing.assert_allclose(given[name], own[name], atol=1e-6)
+        assert given["links.base.com"][2] == pytest.approx(own["links.base.com"][2] - above, 1e-6)
+    with pytest.raises(UserError, match="ankle at y = -"):
+        read_model(path, roles | {"base": "footprint", "forward": "y"})
 
 
 def test_hinges_on_one_body_leave_light_links(tmp_path):
@@ -357,10 +490,64 @@ def joined(constraint: str) -> tuple[str, str]:
     return "</mujoco>", f"{TENDON}<equality>{constraint}</equality></mujoco>"
 
 
+def test_a_joint_without_a_range_needs_a_typed_one(folder):
+    text = (folder / XML).read_text(encoding="utf-8")
+    text = re.sub('(_hip_roll"[^>]*) range="[^"]*"([^>]*) limited="true"', r"\1\2", text)
+    (folder / XML).write_text(text, encoding="utf-8")
+    message = "a joint with a range, or joints.hip_roll.lower and joints.hip_roll.upper"
+    with pytest.raises(UserError, match=message):
+        read(folder / YAML)
+    change(folder / YAML, "name: mine", "name: mine\njoints: {hip_roll: {lower: -0.5, upper: 0.4}}")
+    joint = composed(f"robot={folder}").robot.joints["hip_roll"]
+    assert (joint.lower, joint.upper) == (-0.5, 0.4)
+
+
+def test_xacro_says_what_to_run_first(folder):
+    change(folder / XML, "<worldbody>", "<xacro:include/><worldbody>")
+    with pytest.raises(UserError, match=r"first run `xacro robot.xml > robot.urdf`"):
+        read(folder / YAML)
+
+
+def test_a_slide_that_is_slightly_off_is_told(folder):
+    for x, told in ((0.0035, True), (0.02, False)):
+        text = (folder / XML).read_text(encoding="utf-8")
+        axis = rf'\1axis="{x} 0 -1"'
+        text = re.sub('(_slide" type="slide"[^>]*)axis="[^"]*"', axis, text)
+        (folder / XML).write_text(text, encoding="utf-8")
+        if told:
+            remarks = read(folder / YAML)["model"]["remarks"]
+            assert "left_slide counts as along z, 0.20° off" in remarks
+        else:
+            with pytest.raises(UserError, match="slide: expected an axis along z"):
+                read(folder / YAML)
+
+
+def test_an_anchor_may_be_anywhere_on_its_axis(folder):
+    expected = read(folder / YAML)["model"]["values"]
+    change(folder / XML, '"right_ankle" ', '"right_ankle" pos="0 0.07 0" ')
+    assert read(folder / YAML)["model"]["values"] == expected
+
+
+@pytest.mark.parametrize(("product", "passes"), [(0.03, True), (0.08, False)])
+def test_products_of_the_base_count_as_zero_and_are_told(product, passes, folder):
+    text = (folder / XML).read_text(encoding="utf-8")
+    full = f"0.03 0.02 0.03 {0.03 * product} 0 0"
+    base = f'<inertial pos="0 0 0.05" mass="2.25" fullinertia="{full}"/>'
+    text = re.sub('<inertial pos="0 0 0.05"[^>]*/>', base, text, count=1)
+    (folder / XML).write_text(text, encoding="utf-8")
+    if not passes:
+        with pytest.raises(UserError, match=r"within 5% of its moments \(roles.tolerance\), found"):
+            read(folder / YAML)
+        change(folder / YAML, "roles: {", "roles: {tolerance: 0.1, ")
+    model = read(folder / YAML)["model"]
+    assert f"Ixy and Iyz, {product:.1%} of its largest moment" in " ".join(model["remarks"])
+    assert model["values"]["links"]["base"]["products"] == [0.0, 0.0, 0.0]
+
+
 def test_what_no_leg_has_is_ignored_by_name(folder):
     change(folder / "robot.xml", *joined('<weld body1="base"/>'))
     model = read(folder / "robot.yaml")["model"]
-    assert model["ignored"] == ["weld constraint of base and world"]
+    assert model["remarks"] == ["ignored, as no leg has them: weld constraint of base and world"]
 
 
 YAML, XML = "robot.yaml", "robot.xml"
@@ -376,7 +563,7 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
         (YAML, "[left_slide, right_slide]", "left_slide", "slide: expected a list, found"),
-        pytest.param(YAML, TEXT, SWAPPED, "−x?), found its ankle at y = -", id="swapped"),
+        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or the b", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         (YAML, "base: base,", "base: base, side: top,", "roles.side: expected 'left' or 'right'"),

@@ -6,6 +6,7 @@
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,14 +14,14 @@ import numpy as np
 from slider.composition.compose import compose
 from slider.composition.robot_file import read_option
 from slider.config.parameters import parameters
-from slider.config.robot import RobotConfig
+from slider.config.robot import Geometry, RobotConfig
 from slider.core.errors import require
 from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.model_file import ModelFile
 from slider.robot.transmission import Transmission
 
-_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length
+_SEEN, _APART, _LEVEL, _BEHIND = 1e-3, 5e-3, 0.02, 0.1  # [m], [m], [rad], of a foot's length
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,12 +37,12 @@ def run(arguments: argparse.Namespace) -> None:
     possible = picture is None or (picture.suffix == ".png" and picture.parent.is_dir())
     require(possible, "--draw", "a name that ends in .png in a folder", picture)
     robot = compose([f"robot={arguments.robot}"], arguments.conf).robot
-    model = build_model(robot, SimulationOptions())
-    data = mujoco.MjData(model)  # all joints at zero
-    mujoco.mj_forward(model, data)
-    print("\n".join(_lines(robot, data, *read_option(arguments.robot))))
+    data = mujoco.MjData(build_model(robot, SimulationOptions()))  # all joints at zero
+    mujoco.mj_forward(data.model, data)
+    model, given = read_option(arguments.robot)
+    print("\n".join(_lines(robot, data, model, given)))
     if picture is not None:
-        _draw(robot, data, picture)
+        _draw(robot, data, picture, model.outlines if model else [])
         print(f"{picture} is ready")
 
 
@@ -82,7 +83,7 @@ def _lines(
     for name, limit, torque, share in rows:
         unit = "N" if name == "slide" and geometry.knee is None else "N m"
         yield f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
-    yield from _remarks(robot, data, shares[: len(robot.leg_motors)])
+    yield from _remarks(robot, data, shares[: len(robot.leg_motors)], model)
 
 
 def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> Iterator[str]:
@@ -95,7 +96,7 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
         if model.pose:
             angles = (f"{name}: {angle:.4f}" for name, angle in model.pose.items())
             yield f"solved pose: {{{', '.join(angles)}}}"
-        if model.foot_rotation > _LEVEL:
+        if model.foot_rotation > _LEVEL and not model.foot:
             angle = np.rad2deg(model.foot_rotation)
             yield (
                 f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
@@ -103,14 +104,29 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
             )
         held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
-        if model.ignored:
-            yield f"remark: ignored, as no leg has them: {', '.join(model.ignored)}"
+        yield from _foot(robot.geometry, model.foot)
+        yield from (f"remark: {text}" for text in model.remarks)
     paths = [item.path for item in parameters(robot)]
     rest = [path for path in paths if not any(f"{path}.".startswith(f"{k}.") for k in given)]
     yield f"from the robot that it builds on: {', '.join(rest) or 'nothing'}"
 
 
-def _remarks(robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray) -> Iterator[str]:
+def _foot(geometry: Geometry, foot: dict[str, float]) -> Iterator[str]:
+    """The sole of the model, and where the line is elsewhere."""
+    if not foot:
+        yield f"foot: no geometry in the model; the line is at y = {geometry.hip[1]:.3f} m"
+        return
+    places = ", ".join(f"{name} {value:.3f}" for name, value in foot.items())
+    yield f"foot: in the model {places} m"
+    for name in sorted(foot.keys() - {"width"}):
+        value = geometry.hip[1] if name == "y" else getattr(geometry, name)
+        if abs(value - foot[name]) > _APART:
+            yield f"remark: {name} of the foot line is {value:.3f} m, of the model {foot[name]:.3f}"
+
+
+def _remarks(
+    robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray, model: ModelFile | None
+) -> Iterator[str]:
     """Values that are accepted and probably wrong."""
     geometry = robot.geometry
     if robot.links.tube.com[2] < -geometry.leg_length - geometry.ankle_height:
@@ -118,8 +134,14 @@ def _remarks(robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray) -> Ite
     x, ankle = data.subtree_com[0][0], data.joint("left_ankle").xanchor[0]
     if not -geometry.heel < x - ankle < geometry.toe:
         yield f"remark: the centre of mass is not above the feet, x = {x:.3f} m"
-    if robot.links.foot.com[0] < -_BEHIND * (geometry.toe + geometry.heel):
-        yield "remark: the feet's centres are behind the ankles: does the base look along −x?"
+    ahead = robot.links.foot.com[0]
+    if model is not None and "toe" in model.foot:
+        ahead = (model.foot["toe"] - model.foot["heel"]) / 2
+    if ahead < -_BEHIND * (geometry.toe + geometry.heel):
+        yield (
+            "remark: the feet are behind the ankles. If the base looks along −x, left and right "
+            "are swapped and roles.forward is -x"
+        )
     if shares.max() > 1.0:
         name = robot.leg_motors[int(shares.argmax())]
         yield f"remark: {name} cannot hold the robot on one leg"
@@ -136,12 +158,13 @@ def _standing_efforts(robot: RobotConfig) -> np.ndarray:
     return RootedRobot(robot).dynamics(still, still)[1].full().ravel()[1:]
 
 
-def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
-    """The nominal pose from the right and from the front, with the axes of the left leg."""
+def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[Any]) -> None:
+    """The nominal pose from the right and the front, axes of the left leg, feet of the model."""
     from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
 
     marked = (*robot.geometry.axes.order, "ankle")
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
+    foot_style = {"color": MIDDLE, "alpha": 0.25, "linewidth": 0}
     foot = np.array([[-robot.geometry.heel, 0.0, sole], [robot.geometry.toe, 0.0, sole]])
     with style():
         figure = new_figure(4.5)
@@ -157,6 +180,9 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                     panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:
                     panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
+                for outline in outlines[across : across + 1]:
+                    mirror = [-1.0 if across and side == "right" else 1.0, 1.0]
+                    panel.fill(*(base[[across, 2]] + mirror * np.array(outline)).T, **foot_style)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
             panel.axhline(0.0, color=MIDDLE, linewidth=0.8)
             for k, name in enumerate(marked):

@@ -141,7 +141,10 @@ def read(path: Path) -> dict[str, Any]:
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
     from slider.robot.model_file import read_model
 
-    return {"values": node, "model": asdict(read_model(path.parent / file, roles))}
+    return {
+        "values": node,
+        "model": asdict(read_model(path.parent / file, roles, [*flatten(node)])),
+    }
 
 
 def malformed(error: Exception) -> str:

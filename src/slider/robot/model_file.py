@@ -3,7 +3,7 @@
 Frames are those of ``conf/robot``: parallel to the base's where joints are at zero.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from slider.core.errors import require
 from slider.robot.model_pose import MAX_OFFSET
 from slider.robot.model_tree import (
     AXES,
-    MAX_DIFFERENCE,
+    LEAST_MASS,
     OPTIONAL_JOINTS,
     ModelTree,
     Part,
@@ -27,6 +27,7 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
+_AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,9 @@ class ModelFile:
         lateral: y of the base's centre, which counts as 0 [m].
         foot_rotation: angle of the feet between the pose and the model's own zero [rad].
         pose: what was solved of the pose, by joint.
-        ignored: springs and constraints that do not touch a leg.
+        remarks: what was ignored, rounded or assumed.
+        foot: place of the sole in the model, as :meth:`Foot.line` has it; none without geometry.
+        outlines: of the left foot, as :meth:`Foot.outlines` has them.
     """
 
     values: dict[str, Any]
@@ -49,49 +52,91 @@ class ModelFile:
     lateral: float
     foot_rotation: float
     pose: dict[str, float]
-    ignored: list[str]
+    remarks: list[str]
+    foot: dict[str, float]
+    outlines: list[Any]
 
 
-def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
+def read_model(path: Path, values: Mapping[str, Any], typed: Collection[str] = ()) -> ModelFile:
     """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
+
+    ``typed`` are dotted keys of the robot's own file, whose values come before the model's.
 
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
-    roles, model = from_dict(Roles, values, "robot.roles"), compiled(path)
-    tree = ModelTree(model, roles)
+    roles = from_dict(Roles, values, "robot.roles")
+    model, told = compiled(path, roles)
+    tree = ModelTree(model, roles, typed, told)
     left, right = tree.leg(0), tree.leg(1)
-    length = float(np.linalg.norm(left["ankle"].place - left["hip_pitch"].place))
-    differences = {}
-    for name, part in left.items():
-        other = right[name]
-        differences[f"{LINKS[name]} links"] = _difference(other.body, part.body, length)
-        apart = relative(other.place - part.place, length)
-        differences[f"{name} axes"] = max(apart, relative(other.axis - part.axis, 1.0))
-        joints = [np.array(list(each.joint.values())) for each in (part, other)]
-        size = np.maximum(*np.abs(joints)).clip(1e-9)
-        what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
-        differences[what] = relative((joints[1] - joints[0]) / size, 1.0)
-    worst = max(differences, key=differences.__getitem__)
-    difference = differences[worst]
-    expected = "legs that are alike (also in roles.pose), or roles.side: left or right"
-    alike = roles.side is not None or difference <= MAX_DIFFERENCE
-    require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
+    differs = _compare(left, right, tree, roles)
     leg = right if roles.side == "right" else left
-    lateral = leg["ankle"].place[1]
-    expected = "a left leg at y > 0 (are left and right swapped, or does the base look along −x?)"
-    require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
-    (base, offset), places = tree.base(), _origins(leg, tree.has_knee)
-    links = {"base": _values(base, np.zeros(3))} | dict.fromkeys(LINKS.values(), _LIGHT)
-    heavy = {name: part.body for name, part in leg.items() if part.body.mass > 0.0}
+    shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
+    foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
+    _check_side(lateral, leg, foot)
+    line = roles.foot_y or foot.get("y", lateral)
+    require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
+    (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
+    if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
+        places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
+    links = {"base": _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT}
+    links |= dict.fromkeys(LINKS.values(), _LIGHT)
+    heavy = {name: part.body for name, part in leg.items() if part.body.mass > LEAST_MASS}
     links |= {LINKS[name]: _values(body, places[name]) for name, body in heavy.items()}
+    light = [LINKS[name] for name in leg if name not in heavy]
+    light += ["base"] * (base.mass < LEAST_MASS)
+    if light:
+        tree.remarks.append(f"no mass in the model, 1 g here: {', '.join(light)}")
     joints = {name: part.joint for name, part in leg.items()}
     joints |= {name: joint for name, joint in OPTIONAL_JOINTS.items() if name not in leg}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
     robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
-    differs = difference, worst
-    angle = tree.foot_rotation()
-    return ModelFile(robot, tree.held(), differs, offset, angle, tree.solved, tree.ignored)
+    if shape and abs(tilt := shape.tilt()) > _LEVEL:
+        text = f"turn the ankle by {tilt:.2f} rad about y"
+        tree.remarks.append(f"the model's sole is not level in roles.pose: {text}")
+        foot = {name: foot[name] for name in ("y", "width")}
+    ends = {name: rounded(foot[name]) for name in ("ankle_height", "toe", "heel") if name in foot}
+    robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
+    told = tree.foot_rotation(), tree.solved, tree.remarks
+    outlines = shape.outlines() if shape else []
+    return ModelFile(robot, tree.held(), differs, offset, *told, foot, outlines)
+
+
+def _compare(
+    left: Mapping[str, Part], right: Mapping[str, Part], tree: ModelTree, roles: Roles
+) -> tuple[float, str]:
+    """Largest difference of the legs, and what has it; refused without a side to take."""
+    differences, length = {}, tree.reach
+    for name, part in left.items():
+        other = right[name]
+        differences[f"{LINKS[name]} links"] = _difference(other.body, part.body, length)
+        away = other.place - part.place
+        across = away - (away @ part.axis) * part.axis  # no matter where on the axis
+        apart = 0.0 if name == "slide" and not tree.has_knee else relative(across, length)
+        differences[f"{name} axes"] = max(apart, relative(other.axis - part.axis, 1.0))
+        common = [key for key in part.joint if key in other.joint]
+        joints = [np.array([each.joint[key] for key in common]) for each in (part, other)]
+        size = np.maximum(*np.abs(joints)).clip(1e-9)
+        what = f"range about roles.pose, damping or armature of {' and '.join(tree.names(name))}"
+        differences[what] = relative((joints[1] - joints[0]) / size, 1.0)
+    worst = max(differences, key=differences.__getitem__)
+    expected = "legs that are alike (also in roles.pose), roles.side: left or right, or a larger "
+    expected += f"roles.tolerance than {roles.tolerance:g}"
+    alike = roles.side is not None or differences[worst] <= roles.tolerance
+    require(alike, "robot.model", expected, f"{worst} that differ by {differences[worst]:.1%}")
+    return differences[worst], worst
+
+
+def _check_side(lateral: float, leg: Mapping[str, Part], foot: Mapping[str, float]) -> None:
+    """Refuse a left leg on the right, with the cause as the foot tells it."""
+    ankle, heavy = leg["ankle"], leg["ankle"].body.mass > LEAST_MASS
+    ahead = foot["toe"] - foot["heel"] if foot else (ankle.body.com - ankle.place)[0] * heavy
+    cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
+    if abs(ahead) > _AHEAD:
+        cause = "the base looks along −x: roles.forward: -x"
+        cause = "left and right are swapped" if ahead > 0.0 else cause
+    found = f"its ankle at y = {lateral:.3f} m ({cause})"
+    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
 
 
 def _geometry(
@@ -126,23 +171,22 @@ def _geometry(
     return geometry
 
 
-def _origins(leg: Mapping[str, Part], has_knee: bool) -> dict[str, np.ndarray]:
-    """Of the joints' frames; a slide's is the pitch's, whose y, as a knee's, is the ankle's.
+def _origins(leg: Mapping[str, Part], has_knee: bool, line: float) -> dict[str, np.ndarray]:
+    """Of the joints' frames; a slide's is the pitch's, and all from there have the foot line's y.
 
     The yaw of a machine that lacks it is on the roll axis.
     """
     places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
-    for name in ("hip_pitch", "slide"):  # no matter where on an axis
-        part = leg[name if has_knee else "hip_pitch"]
-        sideways = places["ankle"][1] - part.place[1]
-        places[name] = part.place + part.axis * sideways / part.axis[1]
-        places[name][1] = places["ankle"][1]
+    for name in ("hip_pitch", "slide", "ankle", "upper_foot"):  # no matter where on their axes
+        if part := leg.get("hip_pitch" if name == "slide" and not has_knee else name):
+            places[name] = part.place + part.axis * (line - part.place[1]) / part.axis[1]
+            places[name][1] = line
     return places
 
 
 def _difference(link: Body, other: Body, length: float) -> float:
     """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
-    if link.mass == other.mass == 0.0:
+    if max(link.mass, other.mass) < LEAST_MASS:
         return 0.0
     scale = max(link.mass, other.mass), length, np.abs(link.inertia).max()
     parts = link.mass - other.mass, link.com - other.com, link.inertia - other.inertia

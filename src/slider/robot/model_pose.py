@@ -22,13 +22,24 @@ _BEND = 0.5  # of knees of which nothing else is said [rad]
 
 
 class LegPose:
-    """A leg of a compiled model, whose joints (by role) it moves; ``base`` is a body."""
+    """A leg of a compiled model, whose joints (by role) it moves; ``base`` is a body.
+
+    ``forward`` (3, 3) turns the base's axes into ours, ``line`` is the foot line's y in them [m],
+    by default that of the ankle's anchor.
+    """
 
     def __init__(
-        self, model: mujoco.MjModel, data: Any, base: int, joints: Mapping[str, int], knee: bool
+        self,
+        model: mujoco.MjModel,
+        data: Any,
+        base: int,
+        joints: Mapping[str, int],
+        knee: bool,
+        forward: np.ndarray,
+        line: float | None,
     ) -> None:
         self._model, self._data, self._base, self._joints = model, data, base, joints
-        self._knee = knee
+        self._knee, self._forward, self._line = knee, forward, line
         zero = mujoco.MjData(model)
         mujoco.mj_kinematics(model, zero)
         self._level = self._foot(zero)
@@ -45,7 +56,7 @@ class LegPose:
         """
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
-        across = ["hip_pitch", "slide"] if self._knee else ["hip_pitch"]
+        across = ["hip_pitch", "ankle", *["slide"] * self._knee]
         if any(abs(self._seen(name)[1][1]) < np.cos(np.deg2rad(MAX_TURN)) for name in across):
             return {}  # to be refused for its axis
         bends = bend is not None or (self._knee and self._off() < LEAST_BEND)
@@ -84,25 +95,30 @@ class LegPose:
         """Rotation (3, 3) of the foot in the base's frame."""
         foot = self._model.jnt_bodyid[self._joints["ankle"]]
         base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
-        return base.T @ own
+        return self._forward @ base.T @ own
 
     def _seen(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Place (3,) and axis (3,) of a joint in the base's axes."""
-        turn, index = self._data.xmat[self._base].reshape(3, 3).T, self._joints[name]
-        return turn @ self._data.xanchor[index], turn @ self._data.xaxis[index]
+        """Place (3,) from the base and axis (3,) of a joint."""
+        turn, index = (
+            self._forward @ self._data.xmat[self._base].reshape(3, 3).T,
+            self._joints[name],
+        )
+        place = self._data.xanchor[index] - self._data.xpos[self._base]
+        return turn @ place, turn @ self._data.xaxis[index]
+
+    def _on_line(self, name: str) -> np.ndarray:
+        """The point (3,) of a joint's axis with the foot line's y."""
+        place, axis = self._seen(name)
+        line = self._seen("ankle")[0][1] if self._line is None else self._line
+        return place + axis * (line - place[1]) / axis[1]
 
     def _sides(self) -> tuple[np.ndarray, np.ndarray]:
-        """From the pitch axis to the ankle (3,), at the ankle's y; likewise from the knee."""
-        ankle, ways = self._seen("ankle")[0], []
-        for name in ("hip_pitch", "slide"):
-            place, axis = self._seen(name)
-            ways.append(ankle - place - axis * (ankle - place)[1] / axis[1])
-        return ways[0], ways[1]
+        """From the pitch axis to the ankle (3,), at the foot line's y; likewise from the knee."""
+        ankle = self._on_line("ankle")
+        return ankle - self._on_line("hip_pitch"), ankle - self._on_line("slide")
 
     def _ahead(self) -> float:
-        place, axis = self._seen("hip_pitch")
-        way = self._seen("ankle")[0] - place
-        return float((way - axis * way[1] / axis[1])[0])
+        return float((self._on_line("ankle") - self._on_line("hip_pitch"))[0])
 
     def _off(self) -> float:
         """Distance of a knee from the line from hip to ankle, as a share of that."""

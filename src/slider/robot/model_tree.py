@@ -7,7 +7,7 @@ Joints without a role are held, and their bodies are welded to the link above.
 # pyright: reportAttributeAccessIssue=false
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import field
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -19,9 +19,11 @@ from pydantic import Field
 from slider.config import types as t
 from slider.config.robot import HIP_JOINTS, LATERAL, LINKS, MAX_TURN, MIRROR, Body, axis_of
 from slider.core.errors import UserError, require
+from slider.robot.model_foot import Foot, prepare_feet
 from slider.robot.model_pose import LegPose
 
 _KNEE = "knee"
+LEAST_MASS = 1e-6  # what has less counts as massless [kg]
 LOCKED = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
 OPTIONAL_JOINTS = {
     "hip_yaw": LOCKED | {"armature": 0.0},
@@ -35,9 +37,11 @@ AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
-_MAX_TILT = 1e-3  # of an axis against the frame's [rad]
+_MAX_TILT = 1e-3  # of a yaw or roll axis that counts as upright or level [rad]
+_MAX_SKEW = np.deg2rad(0.5)  # of other axes against the frame's [rad]
 _MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
-MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
+_MAX_PRODUCTS = 0.05  # Ixy and Iyz of the base by its largest moment
+_TURNS = {"x": 0.0, "y": -np.pi / 2, "-x": np.pi, "-y": np.pi / 2}  # [rad] about z
 
 
 class Roles(t.Group):
@@ -51,6 +55,11 @@ class Roles(t.Group):
         bend: angle of the knees in the pose from straight legs [rad]; null: the typed one, the
             model's own, or 0.5 where that is straight.
         side: leg to take where the two differ.
+        forward: direction of the base's frame in which the robot walks.
+        foot_y: place of the left foot's line in the base's frame; by default the middle of the
+            foot's geometry, else the ankle's anchor.
+        tolerance: difference of left and right that is accepted; relative, of places by the
+            leg's length.
     """
 
     base: t.Name
@@ -58,6 +67,9 @@ class Roles(t.Group):
     pose: dict[str, t.Number] = field(default_factory=dict)
     bend: Annotated[t.Number, Field(gt=0.0, lt=np.pi)] | None = None
     side: Literal["left", "right"] | None = None
+    forward: Literal["x", "-x", "y", "-y"] = "x"
+    foot_y: t.Metres | None = None
+    tolerance: t.Share = 0.01
 
 
 class Part(NamedTuple):
@@ -72,26 +84,34 @@ class Part(NamedTuple):
 class ModelTree:
     """A compiled model in its nominal pose, the base at the origin."""
 
-    def __init__(self, model: mujoco.MjModel, roles: Roles) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = (), told: Any = ()
+    ) -> None:
         self.has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
+        self._typed, self._tolerance, self.remarks = typed, roles.tolerance, list[str](told)
         self._model, self._data = model, mujoco.MjData(model)
         self._roles = {index for pair in self._joints.values() for index in pair}
         self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
         self._zero, self.solved = self._pose(roles.pose), dict[str, float]()
+        along, across = np.cos(_TURNS[roles.forward]), np.sin(_TURNS[roles.forward])
+        forward = np.array([[along, -across, 0.0], [across, along, 0.0], [0.0, 0.0, 1.0]])
         for side in range(2):
             joints = {name: pair[side] for name, pair in self._joints.items()}
-            leg = LegPose(model, self._data, self._base, joints, self.has_knee)
+            line = None if roles.foot_y is None else roles.foot_y * (1 - 2 * side)
+            leg = LegPose(model, self._data, self._base, joints, self.has_knee, forward, line)
             names = {name: model.joint(index).name for name, index in joints.items()}
             typed = [name for name in joints if names[name] in roles.pose]
             for name, angle in leg.solve(typed, roles.bend).items():
                 self._zero[joints[name]] = self.solved[names[name]] = angle
         mujoco.mj_kinematics(model, self._data)
         mujoco.mj_comPos(model, self._data)
-        self._origin = self._data.xpos[self._base]
-        self._turn = self._data.xmat[self._base].reshape(3, 3).T
+        self._turn = forward @ self._data.xmat[self._base].reshape(3, 3).T
+        self._origin = self._data.xpos[self._base].copy()
+        self._raise_origin()
         self._owners = self._find_owners()
-        self.ignored = self._check_constraints()
+        if ignored := self._check_constraints():
+            self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
         self.order, other = (self._hip_order(side) for side in range(2))
         text = f"one order of both hips ({', '.join(self.order)})"
         require(self.order == other, "robot.roles.joints", text, ", ".join(other))
@@ -105,6 +125,16 @@ class ModelTree:
             if model.jnt_type[index] in _MOVES:
                 self._data.qpos[model.jnt_qposadr[index]] = zero[index]
         return zero
+
+    def _raise_origin(self) -> None:
+        """Move the base's origin up to the pitch axes where the model has it below mid-leg."""
+        pairs = (self._joints[name] for name in ("hip_pitch", "ankle"))
+        up = self._turn[2]
+        hip, ankle = ((self._data.xanchor[list(k)] - self._origin).mean(0) @ up for k in pairs)
+        if hip + ankle > 0.0:
+            self._origin += hip * up
+            text = f"the base's origin is {hip:.3f} m above that of the model, between the hips"
+            self.remarks.append(text)
 
     def _find_owners(self) -> np.ndarray:
         """Joint with a role (nbody,) that moves each body, −1 for the base, −2 for others."""
@@ -186,6 +216,12 @@ class ModelTree:
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
         return hip
 
+    @property
+    def reach(self) -> float:
+        """Way from pitch axis to ankle across the axes, left [m]."""
+        hip, ankle = (self._data.xanchor[self._joints[k][0]] for k in ("hip_pitch", "ankle"))
+        return float(np.linalg.norm((self._turn @ (ankle - hip))[[0, 2]]))
+
     def names(self, role: str) -> list[str]:
         """Left and right joint of a role."""
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
@@ -203,27 +239,50 @@ class ModelTree:
             parts[name] = Part(place, axis, body, joint)
         return parts
 
+    def foot(self, side: int) -> Foot:
+        """Geometry of a side's foot in the base's frame."""
+        bodies = np.flatnonzero(self._owners == self._joints["ankle"][side])
+        return Foot(self._data, bodies, self._origin, self._turn)
+
     def base(self) -> tuple[Body, float]:
         """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
-        expected = f"a base whose centre has y = 0 within {_MAX_LATERAL} m"
+        if base.mass < LEAST_MASS:
+            return base, 0.0
+        most = max(_MAX_LATERAL, self._tolerance * self.reach)
+        expected = f"a base whose centre has y = 0 within {most:.3g} m (roles.tolerance)"
         lateral = base.com[1]
-        require(abs(lateral) <= _MAX_LATERAL, "robot.model", expected, f"{lateral:.4f} m")
-        skewed = relative(base.inertia - base.reflected.inertia, np.abs(base.inertia).max())
-        expected = f"a base with Ixy = Iyz = 0 within {MAX_DIFFERENCE:.0%} of its moments"
-        found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
-        require(skewed <= 2 * MAX_DIFFERENCE, "robot.model", expected, found)
+        require(abs(lateral) <= most, "robot.model", expected, f"{lateral:.4f} m")
+        products = np.array([base.inertia[0, 1], base.inertia[1, 2]])
+        skewed = relative(products, np.abs(base.inertia).max())
+        most = max(_MAX_PRODUCTS, self._tolerance)
+        expected = f"a base with Ixy = Iyz = 0 within {most:.0%} of its moments (roles.tolerance)"
+        found = f"{products[0]:.4g} and {products[1]:.4g} kg m², {skewed:.1%}"
+        require(skewed <= most, "robot.model", expected, found)
+        if skewed > 1e-3:
+            text = f"the base's Ixy and Iyz, {skewed:.1%} of its largest moment, count as 0"
+            self.remarks.append(text)
         symmetric = (base.inertia + base.reflected.inertia) / 2
         return Body(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
-        """Joints without a role, each with those below it, and the mass that they carry [kg]."""
+        """Joints without a role and the mass [kg] that each and those beyond it, as seen from the
+        base, carry.
+        """
         model, owners, result, holders = self._model, self._owners, {}, {}
-        for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
-            joints = set(self._joints_of(int(body))) - self._roles
+        above = [self._base]
+        while model.body_parentid[above[-1]] > 0:
+            above.append(int(model.body_parentid[above[-1]]))
+        below = np.flatnonzero(model.body_rootid == model.body_rootid[self._base])
+        nearer = {body: int(model.body_parentid[body]) for body in below}  # parents come first
+        nearer |= dict(zip(above[1:], above[:-1], strict=True))  # but above the base
+        for body in [*above, *(body for body in below if body not in above)]:
+            near = nearer[body]
+            joints = set(self._joints_of(near if body in above[1:] else int(body))) - self._roles
             held = sorted(k for k in joints if model.jnt_type[k] != _FREE)
-            parent = model.body_parentid[body]  # parents come first
-            holder = holders.get(parent) if owners[body] == owners[parent] else None
+            if body == self._base:
+                continue
+            holder = holders.get(near) if owners[body] == owners[near] else None
             if held and holder is None:
                 holder = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
             if holder is not None:
@@ -250,9 +309,16 @@ class ModelTree:
         expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
         require(possible, key, expected, text)
         axis, sign = self._direction(name, side, key)
-        require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
         if side == 1 and name in LATERAL:
             sign = -sign
+        dof = model.jnt_dofadr[index]
+        values = {"damping": model.dof_damping[dof], "armature": model.dof_armature[dof]}
+        values = {name: rounded(value) for name, value in values.items()}
+        if not model.jnt_limited[index]:
+            ends = [f"joints.{name}.{end}" for end in ("lower", "upper")]
+            expected = f"a joint with a range, or {' and '.join(ends)} in the robot's file"
+            require(set(ends) <= set(self._typed), key, expected, f"{text} without")
+            return values, axis
         ends = sign * (model.jnt_range[index] - self._zero[index])
         most = np.inf if slides else 2 * np.pi
         expected = "a range that holds roles.pose" + ("" if slides else ", in rad")
@@ -260,10 +326,7 @@ class ModelTree:
         found = f"{text} from {low:.4g} to {high:.4g} and its pose {self._zero[index]:.4g}"
         possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
         require(bool(possible), key, expected, found)
-        dof = model.jnt_dofadr[index]
-        values = {"lower": ends.min(), "upper": ends.max(), "damping": model.dof_damping[dof]}
-        values["armature"] = model.dof_armature[dof]
-        return {name: rounded(value) for name, value in values.items()}, axis
+        return {"lower": rounded(ends.min()), "upper": rounded(ends.max())} | values, axis
 
     def _turns(self, name: str) -> bool:
         return name != "slide" or self.has_knee
@@ -276,12 +339,17 @@ class ModelTree:
         sign = float(np.sign(axis @ along))
         tilts = self._turns(name) and name != "upper_foot"
         turn = np.arccos(np.clip(sign * axis @ along, -1.0, 1.0))
-        most = np.deg2rad(MAX_TURN) if tilts else _MAX_TILT
+        most = np.deg2rad(MAX_TURN) if tilts else _MAX_SKEW
         letter = "xyz"[int(np.abs(along).argmax())]
         expected = f"an axis {f'within {MAX_TURN}° of' if tilts else 'along'} {letter}"
-        found = f"{self._model.joint(index).name} along {np.round(axis, 3).tolist()}"
+        joint = self._model.joint(index).name
+        found = f"{joint} along {np.round(axis, 3).tolist()}"
+        if name == "hip_roll":
+            found += " (roles.forward says where the base looks)"
         require(bool(turn <= most), key, expected, found)
-        return (along if turn <= _MAX_TILT else sign * axis), sign
+        if not tilts and turn > _MAX_TILT:
+            self.remarks.append(f"{joint} counts as along {letter}, {np.rad2deg(turn):.2f}° off")
+        return (along if turn <= (_MAX_TILT if tilts else _MAX_SKEW) else sign * axis), sign
 
     def _joined(self, bodies: np.ndarray) -> Body:
         """Bodies as one, in the base's frame."""
@@ -299,15 +367,30 @@ class ModelTree:
         return Body(mass, com, inertia)
 
 
-def compiled(path: Path) -> mujoco.MjModel:
-    """The model without meshes, sensors and actuators."""
+def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str]]:
+    """The model without sensors and meshes but those of feet; what it has lost.
+
+    Raises:
+        UserError: MuJoCo cannot read the file, or a mass or an inertia of a leg is missing.
+    """
     require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
     warn, warnings = mujoco.get_mju_user_warning(), []
     mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
+    content = path.read_bytes()
+    bare = re.sub(rb"(?s)<!--.*?-->", b"", content)
+    expected = f"a URDF or MJCF: first run `xacro {path.name} > robot.urdf`"
+    require(b"<xacro:" not in bare, "robot.model", expected, f"xacro in {path.name}")
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        _strip(spec, _is_urdf(path))
-        model = spec.compile()
+        spec = _read(path, content)
+        ankles = set(roles.joints.get("ankle") or ())
+        meshes, urdf = prepare_feet(spec, ankles, path.parent), _is_urdf(bare)
+        try:
+            model, told = _compile(spec, urdf, roles, meshes)
+        except ValueError:
+            if not meshes:
+                raise
+            model, told = _compile(_read(path, content), urdf, roles, set())
+            told.append("meshes of the feet cannot be read")
     except (ValueError, OSError) as error:
         text = " ".join([*str(error).split(), *" ".join(warnings).split()])
         raise UserError(f"robot.model: {path.name}: {text}") from None
@@ -315,33 +398,80 @@ def compiled(path: Path) -> mujoco.MjModel:
         mujoco.set_mju_user_warning(warn)
     finite = np.isfinite(model.body_mass).all() and np.isfinite(model.body_inertia).all()
     require(bool(finite), "robot.model", "finite masses and inertias", "others")
-    return model
+    return model, told
 
 
-def _is_urdf(path: Path) -> bool:
+def _read(path: Path, content: bytes) -> mujoco.MjSpec:
+    """A specification of a file, whose name may have any ending."""
+    if path.suffix in (".xml", ".urdf"):
+        return mujoco.MjSpec.from_file(str(path))
+    return mujoco.MjSpec.from_string(content.decode())
+
+
+def _compile(
+    spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]
+) -> tuple[mujoco.MjModel, list[str]]:
+    told = _strip(spec, urdf, roles, meshes)
+    return spec.compile(), told
+
+
+def _is_urdf(text: bytes) -> bool:
     """Tell by the first element, as MuJoCo does."""
-    text = re.sub(rb"(?s)<!--.*?-->", b"", path.read_bytes())
     return (first := re.search(rb"<(\w+)", text)) is not None and first[1] == b"robot"
 
 
-def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
-    """Delete what needs further files, or names what is deleted."""
+def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> list[str]:
+    """Delete what needs further files, or names what is deleted; mend bodies that are held."""
     geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
+    led = {name for pair in roles.joints.values() for name in pair or ()}
     for part in [*spec.geoms, *spec.sites, *spec.tendons]:
         part.material = ""
+    bare, broken = {}, []
     for geom in list(spec.geoms):
         body = geom.parent
         shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
-        weighs = body.explicitinertial or body == spec.worldbody or not (shaped or urdf)
+        weightless = geom.mass == 0.0 or (np.isnan(geom.mass) and geom.density == 0.0)
+        own = body.explicitinertial or body == spec.worldbody or weightless
+        if not own and urdf and led.isdisjoint(joint.name for joint in body.joints):
+            bare[body.name] = geom.density = 0.0  # as the format says
+            own = True
+        weighs = own or not (shaped or urdf)
         require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
-        if shaped:
+        if shaped and geom.meshname not in meshes:
             spec.delete(geom)
+        elif shaped:
+            geom.mass = 0.0
+    for body in spec.bodies[1:]:
+        weight = body.mass if body.explicitinertial else sum(g.mass != 0.0 for g in body.geoms)
+        moves = list(body.joints)
+        if moves and not weight:
+            body.mass, body.explicitinertial = 1e-9, True
+        elif led.isdisjoint(joint.name for joint in moves) and not _is_rigid(body):
+            broken.append(body.name)
+        else:
+            continue
+        body.fullinertia, body.inertia = [np.nan] * 6, [1e-12] * 3
     parts = [*spec.sensors, *spec.actuators, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
-    for part in [*parts, *spec.meshes, *spec.hfields, *spec.materials, *spec.textures]:
+    rest = [mesh for mesh in spec.meshes if mesh.name not in meshes]
+    for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
+    told = [f"no inertial element, so no mass: {', '.join(bare)}"] * bool(bare)
+    told += [f"impossible inertia, so a point mass: {', '.join(broken)}"] * bool(broken)
+    return told
+
+
+def _is_rigid(body: mujoco.MjsBody) -> bool:
+    """Whether a body's typed moments are possible."""
+    moments, full = np.array(body.inertia), body.fullinertia
+    if not body.explicitinertial:
+        return True
+    if not np.isnan(full[0]):
+        (xx, yy, zz), (xy, xz, yz) = full[:3], full[3:]
+        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return moments.min() >= 0.0 and 2 * moments.max() <= moments.sum() * (1 + 1e-9) + 1e-12
 
 
 def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:

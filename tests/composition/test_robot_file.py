@@ -6,11 +6,17 @@ import subprocess
 import sys
 
 import pytest
+from omegaconf import OmegaConf
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.gaits import library_job
+from slider.config.convert import from_dict
 from slider.config.parameters import parameters
+from slider.config.robot import LINKS
+from slider.robot.mjcf import SimulationOptions, build_spec
+from slider.robot.model_tree import Roles
 from tests.config.composed import CONF, composed, refusal
+from tests.robot.lopsided import kneed
 
 SLIDER = (CONF / "robot" / "slider.yaml").read_text(encoding="utf-8")
 CHANGED = """
@@ -184,3 +190,57 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert found.endswith("less than 0.365 m, at which the robot stands, found 0.4")
     found = refusal(["robot.geometry.leg_length=long"])
     assert found.startswith("robot.geometry.leg_length: expected a valid number, ")
+
+
+SHIPPED = sorted((CONF.parent / "src/slider/robot/menagerie").glob("*.yaml"))
+
+
+@pytest.fixture
+def described(tmp_path, monkeypatch):
+    """A package ``robot_descriptions`` whose module for H1 does what a text says."""
+
+    def write(text: str) -> None:
+        folder = tmp_path / "robot_descriptions"
+        folder.mkdir()
+        (folder / "__init__.py").touch()
+        (folder / "h1_mj_description.py").write_text(text)
+        monkeypatch.syspath_prepend(tmp_path)
+
+    yield write
+    for name in [name for name in sys.modules if name.startswith("robot_descriptions")]:
+        del sys.modules[name]
+
+
+def test_a_robot_of_the_menagerie_by_name(described, tmp_path, capsys):
+    spec = build_spec(kneed(), SimulationOptions())
+    spec.compile()
+    text = spec.to_xml().replace("_slide", "_knee").replace('"base"', '"pelvis"')
+    path = tmp_path / "h1.xml"
+    path.write_text(text, encoding="utf-8")
+    described(f"print('Cloning')\nMJCF_PATH = {str(path)!r}\n")
+    robot = composed("robot=menagerie:h1", "robot.drives.ankle.torque=41").robot
+    assert (robot.name, robot.drives["ankle"].torque) == ("Unitree H1", 41.0)
+    assert abs(robot.geometry.bend) == pytest.approx(abs(kneed().geometry.bend))
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "module", "message"),
+    [
+        ("h1", "raise RuntimeError('Could not\\nresolve host')", "clone, found: Could not resolve"),
+        ("g1", "", "menagerie:g1: expected the package robot_descriptions (pip install -e"),
+        ("unitree_h1", "", "menagerie:unitree_h1: expected adam_lite or booster_t1 or g1 or h1 or"),
+    ],
+)
+def test_a_robot_that_the_menagerie_cannot_give_is_one_line(described, name, module, message):
+    described(module)
+    assert message in refusal([f"robot=menagerie:{name}"])
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=[path.stem for path in SHIPPED])
+def test_roles_that_we_ship_have_all_that_is_asked_for(path):
+    node = OmegaConf.to_container(OmegaConf.load(path))
+    roles = from_dict(Roles, node["roles"], "roles")
+    assert {*roles.joints} == {*LINKS} - {"slide"} | {"knee"}
+    assert {*node["drives"]} == {*node["gains"]} == {*LINKS} - {"upper_foot"}
+    assert node["name"]

@@ -1,7 +1,8 @@
 """``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
 An installed package may give a path a name, by an entry point of ``slider.robots``: ``robot=NAME``.
-Names of ``conf/robot`` come first.
+Names of ``conf/robot`` come first. ``robot=menagerie:NAME`` has our roles for a model of MuJoCo
+Menagerie, by its name in the package ``robot_descriptions``.
 The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
 ``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
 optional. A value of either file has no other tag than the file's.
@@ -9,8 +10,11 @@ optional. A value of either file has no other tag than the file's.
 
 import json
 import re
+import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import asdict
+from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -32,6 +36,7 @@ _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
 """Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
+_MENAGERIE = Path(__file__).parents[1] / "robot" / "menagerie"
 
 
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
@@ -92,6 +97,10 @@ def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
 
 def _path(text: str) -> Path | None:
     """File that an override names; of a folder its ``robot.yaml``."""
+    if text.startswith("robot=menagerie:"):
+        names = sorted(file.stem for file in _MENAGERIE.glob("*.yaml"))
+        require((name := text.partition(":")[2]) in names, text, " or ".join(names), name)
+        return _MENAGERIE / f"{name}.yaml"
     if match := _PATH.fullmatch(text):
         path = Path(match[1]).expanduser()
     elif packaged := [*entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot="))]:
@@ -108,7 +117,8 @@ def _path(text: str) -> Path | None:
 
 def _read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
     """Values of a robot's file, and what its model file gives."""
-    found = confined("slider.composition.robot_file:read", path.absolute())
+    model = [_described(path.stem)] if path.parent == _MENAGERIE else []
+    found = confined("slider.composition.robot_file:read", path.absolute(), *model)
     if not found["model"]:
         return found["values"], None
     from slider.robot.model_file import ModelFile
@@ -116,8 +126,24 @@ def _read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
     return found["values"], ModelFile(**found["model"])
 
 
-def read(path: Path) -> dict[str, Any]:
+def _described(name: str) -> Path:
+    """Model file of ``robot_descriptions``, which gets MuJoCo Menagerie by git on first use."""
+    try:
+        with redirect_stdout(sys.stderr):
+            return Path(import_module(f"robot_descriptions.{name}_mj_description").MJCF_PATH)
+    except ImportError as error:
+        expected = "the package robot_descriptions (pip install -e '.[menagerie]')"
+        raise UserError(f"menagerie:{name}: expected {expected}, found: {error}") from None
+    except Exception as error:  # of git, of the network, of the disk
+        found = " ".join(str(error).split())
+        expected = "a model that robot_descriptions has, or can clone"
+        raise UserError(f"menagerie:{name}: expected {expected}, found: {found}") from None
+
+
+def read(path: Path, described: Path | None = None) -> dict[str, Any]:
     """Plain values of a robot's file apart from ``model`` and ``roles``, and of its model file.
+
+    That is ``described``, or what the file names.
 
     Raises:
         UserError: a file cannot be read, or is no robot's.
@@ -137,14 +163,14 @@ def read(path: Path) -> dict[str, Any]:
     file, roles = node.pop("model", None), node.pop("roles", None)
     if file is None and roles is None:
         return {"values": node, "model": None}
-    if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
-        raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
+    if described is None:
+        if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
+            raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
+        described = path.parent / file
     from slider.robot.model_file import read_model
 
-    return {
-        "values": node,
-        "model": asdict(read_model(path.parent / file, roles, [*flatten(node)])),
-    }
+    model = read_model(described, roles, [*flatten(node)])
+    return {"values": node, "model": asdict(model)}
 
 
 def malformed(error: Exception) -> str:

@@ -25,13 +25,14 @@ _START += "confined.answer(*sys.argv[2:])"
 _SOURCE = Path(__file__).parents[2]
 
 
-def confined(function: str, path: Path) -> Any:
-    """Plain value that ``module:function`` gives for a path.
+def confined(function: str, path: Path, *others: Path) -> Any:
+    """Plain value that ``module:function`` gives for a path, or several.
 
     Raises:
         UserError: the function raised it, or reached a limit.
     """
-    command = [sys.executable, "-I", "-X", "utf8", "-c", _START, str(_SOURCE), function, str(path)]
+    command = [sys.executable, "-I", "-X", "utf8", "-c", _START, str(_SOURCE), function]
+    command += map(str, (path, *others))
     variables = job_environment(os.environ, Path(os.devnull)) | {"OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=variables)
     if done.returncode < 0:
@@ -46,7 +47,7 @@ def confined(function: str, path: Path) -> Any:
     return found["value"]
 
 
-def answer(function: str, path: str) -> None:
+def answer(function: str, *paths: str) -> None:
     """Print what a function gives, or the line with which it refuses the file."""
     _limit(resource.RLIMIT_CORE, 0)
     _limit(resource.RLIMIT_CPU, _CPU)
@@ -56,10 +57,10 @@ def answer(function: str, path: str) -> None:
     signal.alarm(_WALL)
     stdout = os.dup(1)
     os.dup2(2, 1)  # what a library prints is no answer
-    module, _, name = function.partition(":")
+    (module, _, name), (path, *_) = function.partition(":"), paths
     read = getattr(importlib.import_module(module), name)
     try:
-        text = json.dumps({"value": read(Path(path))})
+        text = json.dumps({"value": read(*map(Path, paths))})
         require(len(text) <= _ANSWER, path, _EXPECTED, "more values")
     except UserError as error:
         text = json.dumps({"refused": str(error)})

@@ -192,7 +192,7 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert found.startswith("robot.geometry.leg_length: expected a valid number, ")
 
 
-SHIPPED = sorted((CONF.parent / "src/slider/robot/menagerie").glob("*.yaml"))
+SHIPPED = sorted((CONF.parent / "src/slider/composition/menagerie").glob("*.yaml"))
 
 
 @pytest.fixture

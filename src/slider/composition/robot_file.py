@@ -36,7 +36,7 @@ _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 ENTRY_POINTS = "slider.robots"
 """Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
-_MENAGERIE = Path(__file__).parents[1] / "robot" / "menagerie"
+_MENAGERIE = Path(__file__).parent / "menagerie"
 
 
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:

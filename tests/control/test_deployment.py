@@ -22,6 +22,7 @@ from slider.robot.names import GRAVITY
 from tests.control import policies
 from tests.control.policies import make_policy
 from tests.env.synthetic import config, turning_library
+from tests.robot.lopsided import turned
 
 VELOCITY = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
 STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
@@ -79,8 +80,10 @@ def test_the_graph_acts_like_the_policy(tmp_path, monkeypatch, overrides, turnin
     assert np.ptp(controllers.targets, axis=0).max() > 1e-3, "robots must do different things"
 
 
-def test_the_graph_estimates_like_the_package(tmp_path):
+@pytest.mark.parametrize("robot", [None, turned(knee=True)], ids=["slider", "tilted knees"])
+def test_the_graph_estimates_like_the_package(tmp_path, robot):
     whole = config("experiment=test")
+    whole = replace(whole, robot=robot or whole.robot)
     onboard = replace(whole.env.onboard, sensors=SensorsConfig(*[0.0] * 17))
     physics = BatchedPhysics(whole.robot, whole.env.physics, COUNT, onboard=onboard)
     start = at_rest(whole.robot, USUAL_NOISE, np.random.default_rng(0), COUNT)

@@ -398,7 +398,7 @@ _SAME_TYPE = (
         "mm:MatMul",
         "mv:MatMul",
     ),
-    *("sin:Sin", "exp:Exp", "tanh:Tanh", "abs:Abs", "ceil:Ceil", "relu:Relu"),
+    *("sin:Sin", "exp:Exp", "tanh:Tanh", "abs:Abs", "ceil:Ceil", "relu:Relu", "sqrt:Sqrt"),
     *("bitwise_not:Not", "bitwise_and:And", "bitwise_or:Or"),
 )
 _COMPARISONS = ("ge:GreaterOrEqual", "gt:Greater", "le:LessOrEqual", "lt:Less", "eq:Equal")

@@ -302,22 +302,34 @@ class _Tilted(NamedTuple):
 
     def towards(self, geometry: Geometry, place: Array, turn: Array) -> Array:
         """Change of joints (N, 5) that moves the ankle by a place and turns the line (N, 3)."""
-        xp, rest = namespace(place), [k for k in range(LEG_MOTORS) if k != EXTENSION]
-        pairs = zip(self.across, (self.moves, self.turns), (place, turn), strict=True)
-        rows = [(way @ by.mT, (way @ to[..., None])[..., 0]) for way, by, to in pairs]
-        held, goal = (xp.concat(values, axis=1) for values in zip(*rows, strict=True))
-        sides = xp.stack([goal, -held[:, :, EXTENSION]], axis=-1)
-        others = xp.linalg.solve(held[:, :, rest], sides)
-        along = (self.moves @ self.away[..., None])[..., 0]
-        goes, grown = (along[:, rest, None] * others).sum(1).T
+        xp, cross = namespace(place), namespace(place).linalg.cross
+        ways, motions = self.across, (self.moves, self.turns)
+        moves, turns = (
+            (way[:, :, None] * by[:, None]).sum(-1) for way, by in zip(ways, motions, strict=True)
+        )
+        moved, turned = (
+            (way * to[:, None]).sum(-1) for way, to in zip(ways, (place, turn), strict=True)
+        )
+        # The ankle's joint does not move the ankle; what it turns the line is eliminated.
+        share = turns[:, 1, ANKLE] / turns[:, 0, ANKLE]
+        last = turns[:, 1] - share[:, None] * turns[:, 0]
+        rows = xp.stack([moves[:, 0], moves[:, 1], last], axis=1)
+        goal = xp.stack([moved[:, 0], moved[:, 1], turned[:, 1] - share * turned[:, 0]], axis=1)
+        one, two, three = (rows[:, k, :EXTENSION] for k in range(3))
+        inverse = xp.stack([cross(two, three), cross(three, one), cross(one, two)], axis=1)
+        inverse = inverse / (one * inverse[:, 0]).sum(-1)[:, None, None]
+        still, carried = (
+            (side[:, :, None] * inverse).sum(1) for side in (goal, -rows[:, :, EXTENSION])
+        )
+        along = (self.moves * self.away[:, None]).sum(-1)
+        goes, grown = ((along[:, :EXTENSION] * hip).sum(-1) for hip in (still, carried))
         sense = -math.copysign(1.0, geometry.bend)
         grown = sense * (grown + along[:, EXTENSION])
         grown = sense * grown.clip(_LEAST_GROWTH * geometry.leg_length, None)
-        bent = ((place * self.away).sum(-1) - goes) / grown
-        change = zeros((len(place), LEG_MOTORS), place)
-        change[:, rest] = others[..., 0] + others[..., 1] * bent[:, None]
-        change[:, EXTENSION] = bent
-        return change
+        bent = (((place * self.away).sum(-1) - goes) / grown)[:, None]
+        upper = xp.concat([still + carried * bent, bent], axis=1)
+        rest = turned[:, 0] - (turns[:, 0, :ANKLE] * upper).sum(-1)
+        return xp.concat([upper, (rest / turns[:, 0, ANKLE])[:, None]], axis=1)
 
 
 def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:

@@ -502,6 +502,37 @@ def test_a_joint_without_a_range_needs_a_typed_one(folder):
     assert (joint.lower, joint.upper) == (-0.5, 0.4)
 
 
+MOTOR = "<motor joint='left_hip_yaw' gear='2' ctrlrange='-4 4' ctrllimited='true'/>"
+SERVO = "<position joint='left_hip_roll' kp='30' kv='2' gear='3' forcerange='-7 7'/>"
+
+
+def test_motors_come_from_the_model_but_for_typed_values(folder):
+    text = (folder / XML).read_text(encoding="utf-8")
+    text = re.sub("<(actuator|sensor)>.*?</\\1>", "", text, flags=re.DOTALL)
+    text = text.replace("</mujoco>", f"<actuator>{MOTOR}{SERVO}</actuator></mujoco>")
+    (folder / XML).write_text(text, encoding="utf-8")
+    change(folder / YAML, "name: mine", "name: mine\ngains: {hip_roll: {kp: 5.0}}")
+    robot = composed(f"robot={folder}").robot
+    yaw, roll = robot.drives["hip_yaw"], robot.drives["hip_roll"]
+    assert (yaw.torque, yaw.inertia, roll.torque) == (8.0, 0.0, 21.0)
+    assert yaw.speed == SLIDER.drives["hip_yaw"].speed
+    assert robot.gains["hip_yaw"].kp == pytest.approx(8.0 / 0.5)
+    assert (robot.gains["hip_roll"].kp, robot.gains["hip_roll"].kd) == (5.0, 18.0)
+    sources = read(folder / YAML)["model"]["motors"]
+    assert sources["drives.hip_yaw.torque"] == "ctrlrange"
+    assert sources["drives.hip_roll.torque"] == "forcerange"
+    assert (sources["gains.hip_yaw.kp"], "gains.hip_roll.kp" in sources) == ("rule", False)
+
+
+def test_a_urdf_has_limits_of_effort_and_velocity(tmp_path):
+    roles = {"base": "base", "joints": NO_YAW}
+    found = read_model(urdf(lopsided(), tmp_path), roles, {"capstan": None})
+    for name in ("hip_roll", "slide"):
+        drive = found.values["drives"][name]
+        assert (drive["torque"], drive["speed"]) == (1.0, 1.0)
+    assert "slide" not in read_model(tmp_path / "robot.urdf", roles).values["drives"]
+
+
 def test_xacro_says_what_to_run_first(folder):
     change(folder / XML, "<worldbody>", "<xacro:include/><worldbody>")
     with pytest.raises(UserError, match=r"first run `xacro robot.xml > robot.urdf`"):

@@ -19,6 +19,7 @@ from slider.core.errors import require
 from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.model_file import ModelFile
+from slider.robot.model_motors import GUESS
 from slider.robot.transmission import Transmission
 
 _SEEN, _APART, _LEVEL, _BEHIND = 1e-3, 5e-3, 0.02, 0.1  # [m], [m], [rad], of a foot's length
@@ -75,14 +76,17 @@ def _lines(
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower:.3f} to {joint.upper:.3f}"
         yield f"{name:<12}{bounds:>18}{joint.damping:10.4g}{joint.armature:10.4g}"
-    yield f"\n{'motor':<12}{'limit':>12}{'on one leg':>12}{'share':>8}"
+    head = f"\n{'motor':<12}{'limit':>12}{'on one leg':>12}{'share':>8}"
+    yield f"{head}{'speed':>8}{'kp':>9}{'kd':>9}"
     motors = Transmission.of(robot)
     needed = motors.torques(with_upper_feet(_standing_efforts(robot)[None]))[0]
     shares = np.abs(needed) / motors.torque
     rows = zip(robot.leg_motors, motors.torque, needed, shares, strict=False)  # of the left leg
     for name, limit, torque, share in rows:
         unit = "N" if name == "slide" and geometry.knee is None else "N m"
-        yield f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
+        row = f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
+        speed, gains = robot.drives[name].speed, robot.gains[name]
+        yield f"{row}{speed:8.3g}{gains.kp:9.4g}{gains.kd:9.4g}"
     yield from _remarks(robot, data, shares[: len(robot.leg_motors)], model)
 
 
@@ -104,6 +108,10 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
             )
         held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
+        for source in dict.fromkeys(model.motors.values()):
+            keys = ", ".join(key for key, own in model.motors.items() if own == source)
+            what = f"guessed, {GUESS}" if source == "rule" else f"from the model's {source}"
+            yield f"{what}: {keys}"
         yield from _foot(robot.geometry, model.foot)
         yield from (f"remark: {text}" for text in model.remarks)
     paths = [item.path for item in parameters(robot)]
@@ -114,7 +122,6 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
 def _foot(geometry: Geometry, foot: dict[str, float]) -> Iterator[str]:
     """The sole of the model, and where the line is elsewhere."""
     if not foot:
-        yield f"foot: no geometry in the model; the line is at y = {geometry.hip[1]:.3f} m"
         return
     places = ", ".join(f"{name} {value:.3f}" for name, value in foot.items())
     yield f"foot: in the model {places} m"
@@ -192,6 +199,7 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
                 text = {"textcoords": "axes fraction", "ha": "right", "arrowprops": arrow}
                 panel.annotate(name, place, (0.98, 0.8 - 0.08 * k), **text)
             panel.set(aspect="equal", title=f"from the {title}", xlabel="xy"[across] + " [m]")
-            panel.set(xlim=(-base[2], base[2]), ylim=(-0.1 * base[2], 1.2 * base[2]))
+            top = max(base[2], *(axes[name][2] for name in marked))
+            panel.set(xlim=(-top, top), ylim=(-0.1 * top, 1.2 * top))
         panels[0].set_ylabel("z [m]")
         figure.savefig(path)

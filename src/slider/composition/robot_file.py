@@ -169,7 +169,7 @@ def read(path: Path, described: Path | None = None) -> dict[str, Any]:
         described = path.parent / file
     from slider.robot.model_file import read_model
 
-    model = read_model(described, roles, [*flatten(node)])
+    model = read_model(described, roles, flatten(node))
     return {"values": node, "model": asdict(model)}
 
 

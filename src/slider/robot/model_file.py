@@ -3,7 +3,7 @@
 Frames are those of ``conf/robot``: parallel to the base's where joints are at zero.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.robot import HIP_JOINTS, LINKS, Body
 from slider.core.errors import require
+from slider.robot.model_motors import drives
 from slider.robot.model_pose import MAX_OFFSET
 from slider.robot.model_tree import (
     AXES,
@@ -44,6 +45,7 @@ class ModelFile:
         remarks: what was ignored, rounded or assumed.
         foot: place of the sole in the model, as :meth:`Foot.line` has it; none without geometry.
         outlines: of the left foot, as :meth:`Foot.outlines` has them.
+        motors: what values of ``drives`` and ``gains`` come from, by dotted key.
     """
 
     values: dict[str, Any]
@@ -55,26 +57,37 @@ class ModelFile:
     remarks: list[str]
     foot: dict[str, float]
     outlines: list[Any]
+    motors: dict[str, str]
 
 
-def read_model(path: Path, values: Mapping[str, Any], typed: Collection[str] = ()) -> ModelFile:
+def read_model(
+    path: Path, values: Mapping[str, Any], typed: Mapping[str, Any] | None = None
+) -> ModelFile:
     """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
 
-    ``typed`` are dotted keys of the robot's own file, whose values come before the model's.
+    ``typed`` are values of the robot's own file by dotted keys, which come before the model's.
 
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
     roles = from_dict(Roles, values, "robot.roles")
-    model, told = compiled(path, roles)
-    tree = ModelTree(model, roles, typed, told)
+    model, told, speeds = compiled(path, roles)
+    typed = typed or {}
+    tree = ModelTree(model, roles, typed)
+    tree.remarks += told
     left, right = tree.leg(0), tree.leg(1)
     differs = _compare(left, right, tree, roles)
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
     _check_side(lateral, leg, foot)
-    line = roles.foot_y or foot.get("y", lateral)
+    if not shape and roles.foot_y is None:
+        other = (left if leg is right else right)["ankle"].place[1]
+        tree.remarks.append(
+            f"no geometry of a foot that can be read: its line is at the ankle's anchor, y = "
+            f"{lateral:.3f} m ({other:.3f} on the other side); roles.foot_y types it"
+        )
+    line = float(roles.foot_y or foot.get("y", lateral))
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
@@ -97,9 +110,11 @@ def read_model(path: Path, values: Mapping[str, Any], typed: Collection[str] = (
         foot = {name: foot[name] for name in ("y", "width")}
     ends = {name: rounded(foot[name]) for name in ("ankle_height", "toe", "heel") if name in foot}
     robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
+    values, motors = drives(tree.motors(int(leg is right), speeds), typed)
+    robot |= values
     told = tree.foot_rotation(), tree.solved, tree.remarks
     outlines = shape.outlines() if shape else []
-    return ModelFile(robot, tree.held(), differs, offset, *told, foot, outlines)
+    return ModelFile(robot, tree.held(), differs, offset, *told, foot, outlines, motors)
 
 
 def _compare(

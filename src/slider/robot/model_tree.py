@@ -20,6 +20,7 @@ from slider.config import types as t
 from slider.config.robot import HIP_JOINTS, LATERAL, LINKS, MAX_TURN, MIRROR, Body, axis_of
 from slider.core.errors import UserError, require
 from slider.robot.model_foot import Foot, prepare_feet
+from slider.robot.model_motors import motor_of, urdf_speeds
 from slider.robot.model_pose import LegPose
 
 _KNEE = "knee"
@@ -84,11 +85,9 @@ class Part(NamedTuple):
 class ModelTree:
     """A compiled model in its nominal pose, the base at the origin."""
 
-    def __init__(
-        self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = (), told: Any = ()
-    ) -> None:
+    def __init__(self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = ()) -> None:
         self.has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
-        self._typed, self._tolerance, self.remarks = typed, roles.tolerance, list[str](told)
+        self._typed, self._tolerance, self.remarks = typed, roles.tolerance, list[str]()
         self._model, self._data = model, mujoco.MjData(model)
         self._roles = {index for pair in self._joints.values() for index in pair}
         self._base = _index(model, "body", roles.base, "robot.roles.base")
@@ -110,6 +109,10 @@ class ModelTree:
         self._origin = self._data.xpos[self._base].copy()
         self._raise_origin()
         self._owners = self._find_owners()
+        rubs = [k for k in self._roles if model.dof_frictionloss[model.jnt_dofadr[k]] > 0.0]
+        if rubs:
+            names = ", ".join(model.joint(k).name for k in sorted(rubs))
+            self.remarks.append(f"ignored frictionloss of {names}")
         if ignored := self._check_constraints():
             self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
         self.order, other = (self._hip_order(side) for side in range(2))
@@ -244,6 +247,15 @@ class ModelTree:
         bodies = np.flatnonzero(self._owners == self._joints["ankle"][side])
         return Foot(self._data, bodies, self._origin, self._turn)
 
+    def motors(self, side: int, speeds: Mapping[str, float]) -> dict[str, Any]:
+        """Motors of a side as :func:`motor_of` has them, by role; of slide and ankle only where
+        each has its own.
+        """
+        own = self.has_knee or "capstan" in self._typed  # as null
+        names = [name for name in self._joints if name != "upper_foot"]
+        names = [name for name in names if own or name not in ("slide", "ankle")]
+        return {name: motor_of(self._model, self._joints[name][side], speeds) for name in names}
+
     def base(self) -> tuple[Body, float]:
         """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
@@ -367,8 +379,8 @@ class ModelTree:
         return Body(mass, com, inertia)
 
 
-def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str]]:
-    """The model without sensors and meshes but those of feet; what it has lost.
+def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[str, float]]:
+    """The model without sensors and meshes but those of feet; what it has lost; a URDF's speeds.
 
     Raises:
         UserError: MuJoCo cannot read the file, or a mass or an inertia of a leg is missing.
@@ -398,7 +410,7 @@ def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str]]:
         mujoco.set_mju_user_warning(warn)
     finite = np.isfinite(model.body_mass).all() and np.isfinite(model.body_inertia).all()
     require(bool(finite), "robot.model", "finite masses and inertias", "others")
-    return model, told
+    return model, told, urdf_speeds(content) if urdf else {}
 
 
 def _read(path: Path, content: bytes) -> mujoco.MjSpec:
@@ -453,7 +465,8 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
         else:
             continue
         body.fullinertia, body.inertia = [np.nan] * 6, [1e-12] * 3
-    parts = [*spec.sensors, *spec.actuators, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
+    acts = [act for act in spec.actuators if act.target not in led or act.plugin.active]
+    parts = [*spec.sensors, *acts, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
     rest = [mesh for mesh in spec.meshes if mesh.name not in meshes]
     for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)

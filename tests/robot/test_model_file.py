@@ -65,7 +65,7 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
     for name, drive in robot.drives.items():
         if name in robot.joints:
             expected[f"joints.{name}.armature"] += drive.inertia
-    given = flat(found.values)
+    given = flat({k: v for k, v in found.values.items() if k not in ("drives", "gains")})
     assert {"links.tube.products", "geometry.axes.hip_yaw", "joints.slide.damping"} <= given.keys()
     for name, value in given.items():
         if value is None:

@@ -106,7 +106,7 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
                 f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
                 "are level there, the sum of hip, knee and ankle in roles.pose is wrong"
             )
-        held = (f"{name} and below with {mass:.2f} kg" for name, mass in model.held.items())
+        held = (f"{name} and beyond with {mass:.2f} kg" for name, mass in model.held.items())
         yield f"held: {', '.join(held) or 'nothing'}"
         for source in dict.fromkeys(model.motors.values()):
             keys = ", ".join(key for key, own in model.motors.items() if own == source)

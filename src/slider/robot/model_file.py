@@ -87,7 +87,7 @@ def read_model(
             f"no geometry of a foot that can be read: its line is at the ankle's anchor, y = "
             f"{lateral:.3f} m ({other:.3f} on the other side); roles.foot_y types it"
         )
-    line = float(roles.foot_y or foot.get("y", lateral))
+    line = roles.foot_y if roles.foot_y is not None else foot.get("y") or lateral
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:

@@ -47,7 +47,10 @@ STAGES = {
     ),
     "table1": Stage(
         "slider.reports.table1:run",
-        ("table1.csv", "gait_quality.csv", "table1.md", "gait_quality.md", "table1.tex"),
+        (
+            *("table1.csv", "gait_quality.csv", "table1.md", "gait_quality.md", "table1.tex"),
+            "figures/tradeoff.svg",
+        ),
     ),
     "velocity_tracking": Stage(
         "slider.reports.protocols:run_tracking", compared("velocity_tracking")

@@ -128,6 +128,15 @@ def test_trainings_have_their_range_and_an_interval_to_the_mpc():
     ]
 
 
+def test_a_picture_is_copied_beside_the_pages():
+    Path("reports/figures").mkdir()
+    Path("reports/figures/tradeoff.svg").write_text("<svg/>")
+    lines = filled("tradeoff")
+    assert lines[4].endswith("(docs/images/tradeoff.svg)")
+    assert lines[6].startswith("Made by `snakemake -j2 reports/figures/tradeoff.svg`")
+    assert Path("docs/images/tradeoff.svg").read_text() == "<svg/>"
+
+
 def test_times_are_those_of_the_jobs_before():
     Path("reports/table1.csv").write_text(TABLE)
     assert "| table 1 | 1 | 2 | 1.5 | 2.0 |" in filled("times")

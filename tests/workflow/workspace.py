@@ -57,7 +57,7 @@ BODIES = {
 """,
     "table1": """
     records = [(folder / "records.txt").read_text() for folder in inputs["evaluations"]]
-    for name in ("gait_quality.csv", "gait_quality.md", "table1.md", "table1.tex"):
+    for name in ("gait_quality.csv", "gait_quality.md", "table1.md", "table1.tex", "tradeoff.svg"):
         (out / name).write_text("quality\\n")
     (out / "table1.csv").write_text("command\\n" + "\\n".join(records) + "\\n")
     return {}

@@ -126,7 +126,8 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     name = match[2]
     file, count = BLOCKS.get(name, (f"{name}.md", None))
     report = reports / file
-    command = f"snakemake -j2 reports/{report.stem}.csv"
+    wanted = file if file in _PICTURES else f"{report.stem}.csv"
+    command = f"snakemake -j2 reports/{wanted}"
     if not report.is_file():
         print(f"slider results: {name} stays, {report} is missing: {command}", file=sys.stderr)
         return match[0]
@@ -135,6 +136,10 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     jobs.sort(key=lambda job: str(metadata[job.recipe].get("ended", "")), reverse=True)
     if name == "times":
         body = stage_times(jobs, store)
+    elif file in _PICTURES:
+        (image := Path("docs/images", report.name)).parent.mkdir(parents=True, exist_ok=True)
+        files.write_atomic(image, report.read_text(encoding="utf-8"))
+        body = f"![{_PICTURES[file]}]({image.as_posix()})"
     elif name in _OF_CSV:
         try:
             body = _OF_CSV[name](report).markdown
@@ -258,9 +263,12 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
     return Table([*heads, "processor time [min]"], body).markdown
 
 
+_PICTURES = {"figures/tradeoff.svg": "Velocity error over cost of transport of each controller"}
+"""Figures that README shows, which are copied to ``docs/images``."""
 _OF_CSV = {"learning": learning, "summary": summary, "trainings": trainings}
 BLOCKS: dict[str, tuple[str, int | None]] = {
     "trainings": ("seeds_runs.csv", None),
+    "tradeoff": ("figures/tradeoff.svg", None),
     "summary": ("table1.csv", None),
     "times": ("table1.csv", None),
     "learning": ("gait_quality.csv", None),

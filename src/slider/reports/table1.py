@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
@@ -16,6 +17,8 @@ from slider.core.quantities import decimals, speed_text
 from slider.core.tables import Table, escape
 from slider.env.metrics import ERRORS
 from slider.reports import report
+from slider.reports.figures.style import write_pictures
+from slider.reports.figures.walking import draw_tradeoff
 from slider.reports.quantities import PAPER, PAPER_ROBOT, QUANTITIES, quantity
 from slider.reports.report import NAMED, write_document
 
@@ -29,6 +32,7 @@ METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "t
 
 The paper does not say whether its MSE has the start in it: it stands beside both of ours.
 """
+TRADEOFF = "tradeoff"
 _COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
 _PAPER_TABLE = "paper_table1.csv"
 _QUALITY = (
@@ -49,7 +53,7 @@ _PAPERS = (
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
+    """Write Table 1 in three formats, its figure, and a table about the quality of the gait."""
     robot, caption = section["robot"], _CAPTION
     evaluations = report.load(inputs["evaluations"], section["labels"])
     ours = report.results(evaluations, inputs.get("library", ()))
@@ -65,6 +69,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     tables.write(quality, out / "gait_quality.csv")
     parts = [_QUALITY, *quality_tables(quality)]
     write_document(out / "gait_quality.md", "How it walks", robot, parts)
+    write_pictures(out / TRADEOFF, partial(draw_tradeoff, ours))
     lines = [f"% Robot: {robot}. {escape(caption)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")

@@ -54,6 +54,27 @@ def draw_overview(frame: pd.DataFrame) -> Figure:
     return figure
 
 
+def draw_tradeoff(frame: pd.DataFrame) -> Figure:
+    """Settled error over cost of transport, a point for each command [m/s]."""
+    figure = new_figure(3.6)
+    axes = figure.subplots()
+    for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
+        mine = mine[np.isfinite(mine["mse_steady"])].sort_values("speed")
+        place = mine[["cost_of_transport", "mse_steady"]]
+        look = {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4, **_look(index)}
+        axes.plot(*place.to_numpy().T, label=label, **look)
+        for speed, point in zip(mine["speed"], place.to_numpy(), strict=True):
+            near = {"textcoords": "offset points", "xytext": (4, 2), "color": look["color"]}
+            axes.annotate(speed_text(speed), point, fontsize=6, **near)
+    axes.set(xscale="log", yscale="log", xlabel="cost of transport", ylabel="velocity MSE [m²/s²]")
+    ticks = [0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    legend_above(figure)
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
+    return figure
+
+
 def draw_speeds(frame: pd.DataFrame) -> Figure:
     """Three panels over a common axis, of the rows of the protocol's table."""
     figure = new_figure(6.2)

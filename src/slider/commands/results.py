@@ -93,6 +93,8 @@ def changed_since(block: str) -> str:
     if made is None:
         return "settings may have changed"  # its plan is not known
     plan = _todays_digests(*shlex.split(origin[2]))
+    if not plan:  # such as without an extra
+        return (origin[3] or "").removeprefix(" Since then ").removesuffix(".")
     for part, digest in zip(("settings", "source"), made.groups()[1:], strict=True):
         if not plan.get(made[1], {}).get(part, "").startswith(digest):
             return f"{'settings have' if part == 'settings' else 'the source has'} changed"

@@ -188,6 +188,18 @@ def test_a_table_of_another_plan_says_so_and_is_listed(todays, capsys):
         assert origin.endswith(f", Linux. Since then {change} changed.")
 
 
+def test_a_plan_that_cannot_be_laid_out_here_changes_no_sentence(todays, monkeypatch):
+    filled("table1")
+    todays["settings"] = "another"
+    assert cli.main(["results", "README.md"]) == 0
+    before = Path("README.md").read_text()
+    assert "Since then settings have changed." in before
+    Path("reports/table1.md").unlink()  # else the table is filled anew
+    monkeypatch.setattr(results, "_todays_digests", lambda *command: {})
+    assert cli.main(["results", "README.md"]) == 0
+    assert Path("README.md").read_text() == before
+
+
 def test_a_table_whose_plan_is_gone_may_be_of_other_settings(todays, capsys):
     for path in Path("artefacts/plans").iterdir():
         path.unlink()

@@ -13,6 +13,7 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.robot import HIP_JOINTS, LINKS, Body
 from slider.core.errors import require
+from slider.robot.model_compile import compiled
 from slider.robot.model_motors import drives
 from slider.robot.model_pose import MAX_OFFSET
 from slider.robot.model_tree import (
@@ -22,7 +23,6 @@ from slider.robot.model_tree import (
     ModelTree,
     Part,
     Roles,
-    compiled,
     relative,
     rounded,
 )

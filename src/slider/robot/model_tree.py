@@ -6,10 +6,8 @@ Joints without a role are held, and their bodies are welded to the link above.
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import field
-from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import mujoco
@@ -19,8 +17,8 @@ from pydantic import Field
 from slider.config import types as t
 from slider.config.robot import HIP_JOINTS, LATERAL, LINKS, MAX_TURN, MIRROR, Body, axis_of
 from slider.core.errors import UserError, require
-from slider.robot.model_foot import Foot, prepare_feet
-from slider.robot.model_motors import motor_of, urdf_speeds
+from slider.robot.model_foot import Foot
+from slider.robot.model_motors import motor_of
 from slider.robot.model_pose import LegPose
 
 _KNEE = "knee"
@@ -377,114 +375,6 @@ class ModelTree:
             spread = (place @ place) * np.eye(3) - np.outer(place, place)
             inertia += model.body_mass[body] * spread
         return Body(mass, com, inertia)
-
-
-def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[str, float]]:
-    """The model without sensors and meshes but those of feet; what it has lost; a URDF's speeds.
-
-    Raises:
-        UserError: MuJoCo cannot read the file, or a mass or an inertia of a leg is missing.
-    """
-    require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
-    warn, warnings = mujoco.get_mju_user_warning(), []
-    mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
-    content = path.read_bytes()
-    bare = re.sub(rb"(?s)<!--.*?-->", b"", content)
-    expected = f"a URDF or MJCF: first run `xacro {path.name} > robot.urdf`"
-    require(b"<xacro:" not in bare, "robot.model", expected, f"xacro in {path.name}")
-    try:
-        spec = _read(path, content)
-        ankles = set(roles.joints.get("ankle") or ())
-        meshes, urdf = prepare_feet(spec, ankles, path.parent), _is_urdf(bare)
-        try:
-            model, told = _compile(spec, urdf, roles, meshes)
-        except ValueError:
-            if not meshes:
-                raise
-            model, told = _compile(_read(path, content), urdf, roles, set())
-            told.append("meshes of the feet cannot be read")
-    except (ValueError, OSError) as error:
-        text = " ".join([*str(error).split(), *" ".join(warnings).split()])
-        raise UserError(f"robot.model: {path.name}: {text}") from None
-    finally:
-        mujoco.set_mju_user_warning(warn)
-    finite = np.isfinite(model.body_mass).all() and np.isfinite(model.body_inertia).all()
-    require(bool(finite), "robot.model", "finite masses and inertias", "others")
-    return model, told, urdf_speeds(content) if urdf else {}
-
-
-def _read(path: Path, content: bytes) -> mujoco.MjSpec:
-    """A specification of a file, whose name may have any ending."""
-    if path.suffix in (".xml", ".urdf"):
-        return mujoco.MjSpec.from_file(str(path))
-    return mujoco.MjSpec.from_string(content.decode())
-
-
-def _compile(
-    spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]
-) -> tuple[mujoco.MjModel, list[str]]:
-    told = _strip(spec, urdf, roles, meshes)
-    return spec.compile(), told
-
-
-def _is_urdf(text: bytes) -> bool:
-    """Tell by the first element, as MuJoCo does."""
-    return (first := re.search(rb"<(\w+)", text)) is not None and first[1] == b"robot"
-
-
-def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> list[str]:
-    """Delete what needs further files, or names what is deleted; mend bodies that are held."""
-    geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
-    from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
-    led = {name for pair in roles.joints.values() for name in pair or ()}
-    for part in [*spec.geoms, *spec.sites, *spec.tendons]:
-        part.material = ""
-    bare, broken = {}, []
-    for geom in list(spec.geoms):
-        body = geom.parent
-        shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
-        weightless = geom.mass == 0.0 or (np.isnan(geom.mass) and geom.density == 0.0)
-        own = body.explicitinertial or body == spec.worldbody or weightless
-        if not own and urdf and led.isdisjoint(joint.name for joint in body.joints):
-            bare[body.name] = geom.density = 0.0  # as the format says
-            own = True
-        weighs = own or not (shaped or urdf)
-        require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
-        if shaped and geom.meshname not in meshes:
-            spec.delete(geom)
-        elif shaped:
-            geom.mass = 0.0
-    for body in spec.bodies[1:]:
-        weight = body.mass if body.explicitinertial else sum(g.mass != 0.0 for g in body.geoms)
-        moves = list(body.joints)
-        if moves and not weight:
-            body.mass, body.explicitinertial = 1e-9, True
-        elif led.isdisjoint(joint.name for joint in moves) and not _is_rigid(body):
-            broken.append(body.name)
-        else:
-            continue
-        body.fullinertia, body.inertia = [np.nan] * 6, [1e-12] * 3
-    acts = [act for act in spec.actuators if act.target not in led or act.plugin.active]
-    parts = [*spec.sensors, *acts, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
-    rest = [mesh for mesh in spec.meshes if mesh.name not in meshes]
-    for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
-        spec.delete(part)
-    spec.compiler.fusestatic = False  # a URDF's root would be part of the world
-    told = [f"no inertial element, so no mass: {', '.join(bare)}"] * bool(bare)
-    told += [f"impossible inertia, so a point mass: {', '.join(broken)}"] * bool(broken)
-    return told
-
-
-def _is_rigid(body: mujoco.MjsBody) -> bool:
-    """Whether a body's typed moments are possible."""
-    moments, full = np.array(body.inertia), body.fullinertia
-    if not body.explicitinertial:
-        return True
-    if not np.isnan(full[0]):
-        (xx, yy, zz), (xy, xz, yz) = full[:3], full[3:]
-        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return moments.min() >= 0.0 and 2 * moments.max() <= moments.sum() * (1 + 1e-9) + 1e-12
 
 
 def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:

@@ -39,9 +39,11 @@ def search(folder, name: str, trials: int = 3, seed: int = 1) -> pd.DataFrame:
 def test_a_share_of_falls_adds_to_the_error():
     survived = np.array([True] * 20 + [False] + [True] * 19 + [False] * 20)
     errors = np.where(survived, 0.02, np.nan)
-    tracked = {"survived": survived, "squared_error_steady": errors}
+    follows = survived & (np.arange(60) != 0)
+    tracked = {"survived": survived, "tracked": follows, "squared_error_steady": errors}
     columns, score = tuning.scored(tracked, [1.0, 2.0, 3.0])
     rates = {"success_rate_1": 1.0, "success_rate_2": 0.95, "success_rate_3": 0.0}
+    rates |= {"tracking_rate_1": 0.95, "tracking_rate_2": 0.95, "tracking_rate_3": 0.0}
     assert columns == pytest.approx(rates | {"error_1": 0.02, "error_2": 0.02, "error_3": 9.0})
     assert score == pytest.approx((np.log10(0.02) + np.log10(0.005 + 0.005) + np.log10(1.1)) / 3)
 

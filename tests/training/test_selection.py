@@ -42,14 +42,15 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
 
 
 def test_score_by_hand(monkeypatch):
-    recording = recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False])
+    recording = recorded([0.26, 0.2, 1.7, 5.0], [True, True, True, False])
     monkeypatch.setattr(selection, "roll_out", lambda *_: recording)
     score = make_selector().score(nothing)
-    relative = np.mean([0.01 / (0.01 + 0.0004), 0.0, 0.04 / (0.01 + 0.04)])
+    relative = np.mean([0.0036 / (0.01 + 0.0004), 0.0, 0.09 / (0.01 + 0.04)])
     survivor = relative * 5.0 / (relative + 5.0)
     assert score.value == pytest.approx(10.0 / 4 + survivor * 3 / 4)
     assert score.success == 0.75
-    assert score.speed_error == pytest.approx(0.1)
+    assert score.tracked == 0.5, "the third walks 1.7 of 2 m/s"
+    assert score.speed_error == pytest.approx(0.12)
     assert score.flight == pytest.approx(0.25)
 
 

@@ -237,7 +237,7 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
 
     def score(network) -> Score:
         judged.append(network.mlp[0].weight.clone())
-        return Score(value=next(scores), success=1.0, speed_error=0.1, flight=0.0)
+        return Score(value=next(scores), success=1.0, tracked=1.0, speed_error=0.1, flight=0.0)
 
     trainer.selector.score = score
     trainer.run()

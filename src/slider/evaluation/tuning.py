@@ -29,12 +29,12 @@ CSV = "trials.csv"
 _KEPT = "measured.json"
 _PER_FALL = 0.1  # of v²
 FINALIST = "finalist"  # 0: a trial of the search; 1: measured again
-SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
+SUCCESS, TRACKING, ERROR = "success_rate", "tracking_rate", "error"  # columns NAME_SPEED
 _Measure = Callable[[EvaluationConfig, Mapping[str, float]], tuple[dict[str, float], float]]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write a row per trial and finalist: score, settings, success and error [m²/s²] per speed."""
+    """Write a row per trial and finalist: score, settings, rates and error [m²/s²] per speed."""
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     ranges = _distributions(section)
     sampler = optuna.samplers.GPSampler(seed=section["sampler_seed"])
@@ -99,7 +99,7 @@ def _measure(
     config: EvaluationConfig,
     settings: Mapping[str, float],
 ) -> tuple[dict[str, float], float]:
-    """Success and error of each speed, and the score."""
+    """Success, tracking and error of each speed, and the score."""
     section = section | {"control": with_settings(section["control"], settings)}
     cases = [at_speed(speed) for speed in section["speeds"]]
     recording = record(section, inputs, config, cases, threads)
@@ -108,15 +108,15 @@ def _measure(
 
 
 def scored(tracked: Columns, speeds: list[float]) -> tuple[dict[str, float], float]:
-    """Success and error of each speed [m/s], and the score, of robots in blocks of a speed."""
+    """Rates and error of each speed [m/s], and the score, of robots in blocks of a speed."""
     columns: dict[str, float] = {}
     scores, blocks = [], (len(speeds), -1)
-    survived, errors = (
-        tracked[name].reshape(blocks) for name in ("survived", "squared_error_steady")
-    )
-    for speed, alive, squares in zip(speeds, survived, errors, strict=True):
+    names = ("survived", "tracked", "squared_error_steady")
+    robots = (tracked[name].reshape(blocks) for name in names)
+    for speed, alive, follows, squares in zip(speeds, *robots, strict=True):
         share = float(alive.mean())
         error = float(squares[alive].mean()) if share else speed**2  # as if it stood still
-        columns |= {f"{SUCCESS}_{speed:g}": share, f"{ERROR}_{speed:g}": error}
+        values = {SUCCESS: share, TRACKING: float(follows.mean()), ERROR: error}
+        columns |= {f"{name}_{speed:g}": value for name, value in values.items()}
         scores.append(np.log10(error / speed**2 + _PER_FALL * (1.0 - share)))
     return columns, float(np.mean(scores))

@@ -10,10 +10,11 @@ from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import speed_text
 from slider.core.tables import Table
-from slider.evaluation.tuning import CSV, ERROR, FINALIST, SUCCESS
+from slider.evaluation.tuning import CSV, ERROR, FINALIST, SUCCESS, TRACKING
 from slider.reports import report
 from slider.reports.quantities import QUANTITIES
 
+_SHOWN = {SUCCESS: "success_rate", TRACKING: "tracking_rate", ERROR: "mse_steady"}
 _CAPTION = """\
 The score is the mean over the commands v of log10(e / v² + f / 10), with e the mean squared
 velocity error of the surviving robots after the warm-up and f the share that falls. Trial 0 is the
@@ -40,7 +41,7 @@ def _present_and_best(trials: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
 
 
 def _tables(name: str, trials: pd.DataFrame, section: Mapping[str, Any]) -> Iterator[Table]:
-    """Settings, then success and error at each command, of the present and the best trial."""
+    """Settings, then rates and error at each command, of the present and the best trial."""
     (present, best), label = _present_and_best(trials), section["labels"][name]
     count = (trials[FINALIST] == 0).sum()
     score = f"trial {best['trial']:g} of {count}, score {best['score']:.3f}"
@@ -54,7 +55,7 @@ def _tables(name: str, trials: pd.DataFrame, section: Mapping[str, Any]) -> Iter
     speeds = [column.removeprefix(prefix) for column in trials if column.startswith(prefix)]
     lines = []
     for title, row in (("present", present), ("best", best)):
-        for key, quantity in ((SUCCESS, "success_rate"), (ERROR, "mse_steady")):
+        for key, quantity in _SHOWN.items():
             shown = QUANTITIES[quantity]
             texts = (shown.text(row[f"{key}_{speed}"]) for speed in speeds)
             lines.append([f"{shown.heading}, {title}", *texts])

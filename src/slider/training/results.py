@@ -8,7 +8,7 @@ import pandas as pd
 from slider.core import tables
 
 SELECTION, CURVE = "selection.csv", "learning_curve.csv"
-CHECKS = ("success", "speed_error", "flight", "value")
+CHECKS = ("success", "tracked", "speed_error", "flight", "value")
 
 
 @dataclass(frozen=True)

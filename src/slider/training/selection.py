@@ -27,12 +27,14 @@ class Score:
             of the mean squared velocity error / (0.01 + 0.01 v²). However badly a robot tracks,
             that costs less than half of a fall.
         success: share of robots that survived.
+        tracked: share that survived and kept to 0.1 m/s, or a tenth, of the command.
         speed_error: mean over survivors of |mean forward velocity − command| [m/s]; NaN if none.
         flight: their mean share of time with no foot on the ground; NaN if none.
     """
 
     value: float
     success: float
+    tracked: float
     speed_error: float
     flight: float
 
@@ -79,6 +81,7 @@ class Selector:
         return Score(
             value=value,
             success=success,
+            tracked=float(tracked["tracked"].mean()),
             speed_error=_mean(np.abs(tracked["mean_velocity"] - command)),
             flight=_mean(gait_quality(recording, config.warm_up)["flight"]),
         )

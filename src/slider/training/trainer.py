@@ -186,8 +186,8 @@ class Trainer:
         error = f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
         self._job.progress(
             f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "
-            f"{left / 60:.1f} min left, success {100 * score.success:.0f} %"
-            + (f", {error}" if score.success > 0 else "")
+            f"{left / 60:.1f} min left, success {100 * score.success:.0f} %, "
+            f"tracking {100 * score.tracked:.0f} %" + (f", {error}" if score.success > 0 else "")
         )
 
     def _save_checkpoint(self) -> dict[str, Any]:

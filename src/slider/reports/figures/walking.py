@@ -23,6 +23,7 @@ _LABELS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
 _MARKERS = "os^vDPX"
 _CHECKS = {  # column of the checks → axis
     "success": "share that survives",
+    "tracked": "share that tracks",
     "speed_error": "speed error [m/s]",
     "flight": "flight share",
     "value": "score",

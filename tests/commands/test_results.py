@@ -101,30 +101,46 @@ def test_a_block_has_the_reports_tables_and_their_origin():
     assert origin.endswith(", commit `01234567`, 2026-11-23, Processor X, 2 cores, Linux.")
 
 
-def test_the_summary_has_lower_tracking_rates_and_the_papers_error():
-    head = "controller,label,source,speed,success_rate,tracking_rate,mse_steady,mse\n"
+HEAD = "controller,label,source,speed,success_rate,tracking_rate,mse_steady,mse\n"
+RUNS = """\
+seed,speed,success_rate,tracking_rate,mse_steady
+1,0.2,1,1,0.000421
+2,0.2,1,1,0.000275
+3,0.2,1,0.9,0.000300
+"""
+
+
+def test_the_summary_has_lower_rates_and_the_papers_error():
     ours = "policy,ours,measured,0.2,0.996,0.9,0.00271,0.01\nhzd,HZD,measured,0.2,1,1,0.5,1\n"
-    printed = "guided_drl,guided RL (paper),paper,0.2,1,,,0.0317\n"
-    Path("reports/table1.csv").write_text(head + ours + printed)
-    lines = filled("summary")
-    assert "| Success rate [%] | ours | 99.6 (90) |" in lines
-    assert "|  | guided RL (paper) | 100 |" in lines, "it prints no tracking rate"
-    assert "|  | HZD | 100 |" in lines
-    assert "| Velocity MSE after the warm-up [m²/s²] | ours | 0.00271 |" in lines
-    assert "|  | guided RL (paper) | 0.0317 |" in lines
+    printed = "guided_drl,guided RL (paper),paper,0.2,0.731,,,0.0317\n"
+    Path("reports/table1.csv").write_text(HEAD + ours + printed)
+    shown = filled("summary")[6:9]
+    heading = "| Velocity MSE after the warm-up [m²/s²] |"
+    assert shown[0] == f"{heading} ours | 0.00271 (99.6 % survive, 90 % track) |"
+    assert shown[1] == "|  | HZD | 0.500 |"
+    assert shown[2] == "|  | guided RL (paper) | 0.0317 (73.1 % survive) |", "it prints no tracking"
 
 
-def test_trainings_have_their_range_and_an_interval_to_the_mpc():
-    head = "controller,speed,success_rate,mse_steady\n"
-    Path("reports/table1.csv").write_text(f"{head}mpc_wbc_tuned,0.2,1,0.0001\n")
-    runs = "seed,speed,success_rate,mse_steady\n1,0.2,1,0.000421\n2,0.2,1,0.000275\n"
-    Path("reports/seeds_runs.csv").write_text(runs)
-    lines = filled("trainings")
-    assert lines[6:10] == [
-        "| Success rate [%] | range | 100 |",
-        "| Success rate [%] | mean − MPC | no difference |",
-        "| Velocity MSE after the warm-up [m²/s²] | range | 0.000275–0.000421 |",
-        "| Velocity MSE after the warm-up [m²/s²] | mean − MPC | +0.000175 to +0.000321 |",
+def test_the_overview_has_median_and_range_of_the_trainings(capsys):
+    ours, hzd = "policy,ours,measured,0.2,1,1,9,9\n", "hzd,HZD,measured,0.2,1,1,0.5,1\n"
+    Path("reports/table1.csv").write_text(HEAD + ours + hzd)
+    assert "Made by" not in "".join(filled("overview"))
+    assert "reports/seeds.csv is missing" in capsys.readouterr().err
+    Path("reports/seeds.csv").write_text("v\n")
+    Path("reports/seeds_runs.csv").write_text(RUNS)
+    lines = filled("overview")
+    assert lines[6].endswith("| ours, median of 3 trainings | 0.000300 (90 % track) |")
+    assert lines[7:9] == ["|  | range | 0.000275–0.000421 |", "|  | HZD | 0.500 |"]
+    assert lines[10].startswith("Made by `snakemake -j2 reports/table1.csv reports/seeds.csv`")
+
+
+def test_trainings_have_an_interval_to_the_mpc():
+    Path("reports/table1.csv").write_text(f"{HEAD}mpc_wbc_tuned,MPC,measured,0.2,1,1,0.0001,1\n")
+    Path("reports/seeds.csv").write_text("v\n")
+    Path("reports/seeds_runs.csv").write_text(RUNS)
+    assert filled("trainings")[6:8] == [
+        "| Success rate [%] | no difference |",
+        "| Velocity MSE after the warm-up [m²/s²] | +0.000175 to +0.000321 |",
     ]
 
 
@@ -188,6 +204,21 @@ def test_a_table_of_another_plan_says_so_and_is_listed(todays, capsys):
         assert origin.endswith(f", Linux. Since then {change} changed.")
 
 
+def test_a_table_of_two_reports_has_the_plans_of_both(todays, monkeypatch, capsys):
+    monkeypatch.setitem(results._ALSO, "table1", ["table1.csv"])
+    mark = filled("table1")[-3]
+    assert mark.count("settings") == 1, "the store has no job with the other report"
+    text = (
+        Path("README.md").read_text().replace(mark, mark[:-4] + " seeds settings 12 source 34 -->")
+    )
+    Path("README.md").write_text(text)
+    assert cli.main(["results", "--check"]) == 1
+    assert capsys.readouterr().out == "README.md: table1: settings have changed\n"
+    digests = {"table1": todays, "seeds": {"settings": "123", "source": "345"}}
+    monkeypatch.setattr(results, "_todays_digests", lambda *command: digests)
+    assert cli.main(["results", "--check"]) == 0
+
+
 def test_a_plan_that_cannot_be_laid_out_here_changes_no_sentence(todays, monkeypatch):
     filled("table1")
     todays["settings"] = "another"
@@ -217,7 +248,7 @@ def test_tables_of_readme_and_results_say_what_changed_since(monkeypatch, capsys
     cli.main(["results", "--check", "README.md", "docs/reference/results.md"])
     for line in capsys.readouterr().out.splitlines():
         page, block, change = line.split(": ")
-        assert block not in ("summary", "table1") or "settings" not in change, line
+        assert block not in ("overview", "table1") or "settings" not in change, line
         text = next(m[0] for m in MARKED.finditer(Path(page).read_text()) if m[2] == block)
         assert sys.version_info[:2] != (3, 11) or f"Since then {change}." in text, (
             f"{line}: run slider results"

@@ -2,7 +2,7 @@
 
 A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NAME is in ``BLOCKS``,
 or any Markdown report of ``reports/``, of which headings and tables are taken. The end mark of a
-filled table has the target and the digests of the plan that made it (``JobSpec.plan_digests``).
+filled table has each target and the digests of the plan that made it (``JobSpec.plan_digests``).
 A table that today's plan would not make says so.
 """
 
@@ -12,7 +12,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -35,12 +35,13 @@ from slider.reports.report import across
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
 _ORIGIN = re.compile(r"^(Made by `([^`]*)`[^\n]*?)( Since then [^\n]*)?$", re.M)
-_DIGESTS = re.compile(r"<!-- /results (\w+) settings (\w+) source (\w+) -->")
+_DIGESTS = re.compile(r" (\w+) settings (\w+) source (\w+)")
 _STEPS = ("alternation", "touchdown_rate", "flight", "slip", "clearance")
 _LEGS = ("leg_distance", "robots_touch", "robots_cross", "heading_worst")
 _VARIANCES = ("velocity_variance", "reference_velocity_variance")
 _LEARNING = "policy", "hzd", "mpc_wbc_tuned"
-_SHOWN = ("success_rate", "mse_steady")
+_ERROR = "mse_steady"
+_RATES = {"success_rate": "survive", "tracking_rate": "track"}
 _SUMMARY = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")
 _WALKING = (*_STEPS, *_LEGS, *_VARIANCES, "peak_effort", "peak_speed", "cost_of_transport")
 
@@ -89,14 +90,14 @@ def changed_since(block: str) -> str:
     origin = _ORIGIN.search(block)
     if origin is None:
         return ""
-    made = _DIGESTS.search(block)
-    if made is None:
+    made = _DIGESTS.findall(block.splitlines()[-1])
+    if not made:
         return "settings may have changed"  # its plan is not known
     plan = _todays_digests(*shlex.split(origin[2]))
     if not plan:  # such as without an extra
         return (origin[3] or "").removeprefix(" Since then ").removesuffix(".")
-    for part, digest in zip(("settings", "source"), made.groups()[1:], strict=True):
-        if not plan.get(made[1], {}).get(part, "").startswith(digest):
+    for place, part in enumerate(("settings", "source"), 1):
+        if not all(plan.get(m[0], {}).get(part, "").startswith(m[place]) for m in made):
             return f"{'settings have' if part == 'settings' else 'the source has'} changed"
     return ""
 
@@ -128,14 +129,14 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     name = match[2]
     file, count = BLOCKS.get(name, (f"{name}.md", None))
     report = reports / file
-    wanted = file if file in _PICTURES else f"{report.stem}.csv"
-    command = f"snakemake -j2 reports/{wanted}"
-    if not report.is_file():
-        print(f"slider results: {name} stays, {report} is missing: {command}", file=sys.stderr)
+    targets = [file if file in _PICTURES else f"{report.stem}.csv", *_ALSO.get(name, ())]
+    command = " ".join(["snakemake -j2", *(f"reports/{target}" for target in targets)])
+    read_from = [report, *(reports / target for target in targets[1:])]
+    missing = [path for path in read_from if not path.is_file()]
+    if missing:
+        print(f"slider results: {name} stays, {missing[0]} is missing: {command}", file=sys.stderr)
         return match[0]
-    jobs = store.mentioning(files.digest_file(report))
-    metadata = {job.recipe: store.metadata(job.stage, job.recipe) for job in jobs}
-    jobs.sort(key=lambda job: str(metadata[job.recipe].get("ended", "")), reverse=True)
+    jobs = [job for path in read_from for job in _newest(path, store)]
     if name == "times":
         body = stage_times(jobs, store)
     elif file in _PICTURES:
@@ -149,9 +150,16 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
             raise UserError(f"expected the column {error} in {report}, found none") from None
     else:
         body = markdown_tables(report, count)
-    latest = metadata[jobs[0].recipe] if jobs else {}
-    end = f"<!-- /results{_digests(jobs[0].recipe, store) if jobs else ''} -->"
-    return f"{match[1]}\n{body}\n\n{origin(command, latest)}\n\n{end}"
+    latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
+    digests = "".join(_digests(job.recipe, store) for job in jobs)
+    return f"{match[1]}\n{body}\n\n{origin(command, latest)}\n\n<!-- /results{digests} -->"
+
+
+def _newest(report: Path, store: Store) -> list[Manifest]:
+    """The job that made a report last, if the store has one."""
+    jobs = store.mentioning(files.digest_file(report))
+    jobs.sort(key=lambda job: str(store.metadata(job.stage, job.recipe).get("ended", "")))
+    return jobs[-1:]
 
 
 def _digests(recipe: str, store: Store) -> str:
@@ -184,38 +192,42 @@ def learning(report: Path) -> Table:
 
 
 def summary(report: Path) -> Table:
-    """Success and error in Table 1; a lower tracking rate stands in parentheses."""
-    percent, error = (QUANTITIES[name].text for name in _SHOWN)
-    rows = []
-    for row in read(report).to_dict("records"):
-        success, tracking = row["success_rate"], row["tracking_rate"]
-        lower = f" ({percent(tracking)})" if tracking < success else ""
-        mse = error(row["mse" if row["source"] == PAPER else "mse_steady"])
-        shown = dict(zip(_SHOWN, (percent(success) + lower, mse), strict=True))
-        rows.append({name: row[name] for name in ("controller", "label", "speed")} | shown)
-    frame = pd.DataFrame(rows)
+    """Error in Table 1; who survives and who tracks where that is not every robot."""
+    frame = read(report)
     frame = frame[frame["controller"].isin(_SUMMARY)]
     frame = frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
-    return across("", "command [m/s]", "speed", _SHOWN, frame, ["label"], speed_text)
+    frame[_ERROR] = [_outcome(row) for row in frame.to_dict("records")]
+    return across("", "command [m/s]", "speed", [_ERROR], frame, ["label"], speed_text)
+
+
+def _outcome(row: Mapping[Hashable, Any]) -> str:
+    error = QUANTITIES[_ERROR].text(row["mse" if row["source"] == PAPER else _ERROR])
+    rates = [f"{QUANTITIES[n].text(row[n])} % {verb}" for n, verb in _RATES.items() if row[n] < 1.0]
+    return f"{error} ({', '.join(rates)})" if rates else error
+
+
+def overview(report: Path) -> Table:
+    """As the summary, with median and range of the policy over trainings of several seeds."""
+    table, runs = summary(report), read(report.with_name("seeds_runs.csv"))
+    speeds, text = runs.groupby("speed"), QUANTITIES[_ERROR].text
+    median = speeds[[*_RATES]].min().assign(**{_ERROR: speeds[_ERROR].median()}, source="")
+    ends = zip(map(text, speeds[_ERROR].min()), map(text, speeds[_ERROR].max()), strict=True)
+    (heading, label, *_), *others = table.rows
+    label = f"{label}, median of {runs['seed'].nunique()} trainings"
+    first = [heading, label, *map(_outcome, median.to_dict("records"))]
+    return table._replace(rows=[first, ["", "range", *map("–".join, ends)], *others])
 
 
 def trainings(report: Path) -> Table:
-    """Range over the trainings of several seeds, and how far their mean is from the tuned MPC."""
-    runs = read(report)
+    """How far the mean over trainings of several seeds is from the tuned MPC."""
+    runs = read(report.with_name("seeds_runs.csv"))
     mpc = read(report.with_name("table1.csv")).query("controller == 'mpc_wbc_tuned'")
-    rows, mpc = [], mpc.set_index("speed")
-    for name in _SHOWN:
-        text = QUANTITIES[name].text
-        for speed, values in runs.groupby("speed")[name]:
-            ends = map(text, (values.min(), values.max()))
-            row = {"quantity": QUANTITIES[name].heading, "speed": speed}
-            rows.append({**row, "of": "range", "text": "–".join(dict.fromkeys(ends))})
-            interval = _interval(values - mpc.at[speed, name], text)
-            rows.append({**row, "of": "mean − MPC", "text": interval})
-    frame = pd.DataFrame(rows)
-    heads = ["command [m/s]", "", *map(speed_text, np.sort(frame["speed"].unique()))]
-    body = [[*key, *mine["text"]] for key, mine in frame.groupby(["quantity", "of"], sort=False)]
-    return Table(heads, body)
+    rows, mpc, speeds = [], mpc.set_index("speed"), runs.groupby("speed")
+    for name in ("success_rate", _ERROR):
+        shown = QUANTITIES[name]
+        away = (_interval(mine - mpc.at[v, name], shown.text) for v, mine in speeds[name])
+        rows.append([shown.heading, *away])
+    return Table(["command [m/s]", *map(speed_text, speeds.groups)], rows)
 
 
 def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
@@ -244,9 +256,9 @@ def markdown_tables(report: Path, count: int | None) -> str:
     return "\n\n".join(parts)
 
 
-def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
+def stage_times(jobs: list[Manifest], store: Store) -> str:
     """Jobs, threads, wall and processor time of each stage that a result was made by."""
-    waiting, ancestors = list(jobs[:1]), {}
+    waiting, ancestors = [*jobs], {}
     while waiting:
         job = waiting.pop()
         ancestors[job.recipe] = job.stage
@@ -267,9 +279,17 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
 
 _PICTURES = {"figures/tradeoff.svg": "Velocity error over cost of transport of each controller"}
 """Figures that README shows, which are copied to ``docs/images``."""
-_OF_CSV = {"learning": learning, "summary": summary, "trainings": trainings}
+_OF_CSV = {
+    "learning": learning,
+    "overview": overview,
+    "summary": summary,
+    "trainings": trainings,
+}
+_ALSO = {"overview": ["seeds.csv"], "trainings": ["table1.csv"]}
+"""Further reports that a table is of."""
 BLOCKS: dict[str, tuple[str, int | None]] = {
-    "trainings": ("seeds_runs.csv", None),
+    "trainings": ("seeds.csv", None),
+    "overview": ("table1.csv", None),
     "tradeoff": ("figures/tradeoff.svg", None),
     "summary": ("table1.csv", None),
     "times": ("table1.csv", None),

@@ -14,6 +14,21 @@ from tests.config.composed import composed
 ROOT = Path(__file__).parents[1]
 ROBOT_PAGE = (ROOT / "docs/reference/robot.md").read_text()
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
+# Dated trials, what the paper prints, versions of files.
+DATED = ("CHANGELOG.md", "docs/notebook.md", "docs/paper.md")
+NOT_PROSE = (
+    r"^```.*?^```",
+    r"<!-- results.*?<!-- /results",
+    r"^\|[^\n]*",
+    r"`[^`\n]*`",
+    r"\]\([^)]*\)",
+    r"Python 3\.\d+( to 3\.\d+)?|MuJoCo 3\.\d+",
+)
+# Of the robot's mass, which has a test of its own, and of the public predecessors' files.
+PRINTED = {
+    "robot.md": "12.52 0.65 2.1 0.115 0.215 0.105 0.021 0.065 0.008 0.087 0.00204 0.00235 0.00125",
+    "other-robots.md": "2.93 0.356",
+}
 
 
 def test_the_mass_is_that_of_the_links():
@@ -40,6 +55,28 @@ def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
 def test_a_link_leads_to_a_file(page):
     targets = re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", page.read_text())
     assert not [target for target in targets if not (page.parent / target).exists()]
+
+
+@pytest.fixture(scope="module")
+def configured() -> set[float]:
+    """Numbers of conf/."""
+    texts = (path.read_text() for path in (ROOT / "conf").rglob("*.yaml"))
+    return {float(n) for text in texts for n in re.findall(r"(?<![\w.])\d+\.?\d*(?![\w.])", text)}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_a_result_in_prose_is_in_a_table_of_its_page(page, configured):
+    """Fractions and percentages that are neither of ``conf/`` nor in a table that a run filled."""
+    name, text = page.relative_to(ROOT).as_posix(), page.read_text()
+    if name in DATED:
+        pytest.skip("dated trials, or the paper's text")
+    tables = "".join(re.findall(r"<!-- results.*?<!-- /results", text, re.S))
+    for pattern in NOT_PROSE:
+        text = re.sub(pattern, "", text, flags=re.S | re.M)
+    found = set(re.findall(r"(?<![\w.,:/-])(\d+\.\d+|\d+(?= ?%))(?![\w.])", text))
+    known = {*re.findall(r"\d+\.?\d*", tables), *PRINTED.get(page.name, "").split()}
+    scaled = {n for n in found if {float(n), float(n) / 100, float(n) / 1000} & configured}
+    assert not found - known - scaled
 
 
 def test_the_picture_of_the_readme_is_small():

@@ -119,14 +119,27 @@ def test_without_a_loaded_foot_the_inertial_unit_alone_counts():
     assert found.position[0, 2] == pytest.approx(height - fallen)
 
 
-def test_a_slipping_foot_is_outweighed_by_the_other():
-    """The left leg says 2 m/s, the right one that the robot rests; both carry the robot."""
-    robot = robot_config()
+def carrying() -> np.ndarray:
+    """Motor torques (1, 10) [N m] with which both legs carry a robot that stands."""
     sliding = 0.97 + 2 * 0.0737  # the slides carry the rest [kg]
-    force = (12.525 / 2 - sliding) * GRAVITY * robot.capstan.drum_radius / 2
+    force = (12.525 / 2 - sliding) * GRAVITY * robot_config().capstan.drum_radius / 2
     torques = np.zeros((1, 10))
     torques[:, [3, 4, 8, 9]] = force
-    rates = np.zeros((1, NUM_JOINTS))
+    return torques
+
+
+def test_a_bias_of_the_inertial_unit_leaves_no_error_of_velocity():
+    bias = np.array([[0.2, -0.1, 0.05]])
+    filter_, reading = estimator(), make_arrays(1, motor_torques=carrying())
+    for _ in range(500):
+        found = filter_.update(reading, STILL + 0.02 * bias, np.full(1, 0.02))
+    np.testing.assert_allclose(filter_.bias, bias, atol=1e-3)
+    assert np.abs(found.velocity).max() < 1e-3
+
+
+def test_a_slipping_foot_is_outweighed_by_the_other():
+    """The left leg says 2 m/s, the right one that the robot rests; both carry the robot."""
+    torques, rates = carrying(), np.zeros((1, NUM_JOINTS))
     rates[:, JOINTS.index("left_hip_pitch")] = 2.0 / (0.64 + 0.045)
     filter_ = estimator()
     for _ in range(10):

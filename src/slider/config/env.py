@@ -132,7 +132,9 @@ class EstimatorConfig(t.Group):
     """Kalman filter of velocity and height; see ``slider.env.estimator``."""
 
     acceleration: t.Positive[t.MetresPerSecond2]
-    """standard deviation of the acceleration by the inertial unit, its tilt error included"""
+    """standard deviation of the acceleration by the inertial unit, white"""
+    bias_time: t.Positive[t.Seconds]
+    """time constant of its bias, the tilt's included"""
     vertical_velocity: t.Positive[t.MetresPerSecond]
     """standard deviation of the vertical velocity that the height is predicted with"""
     leg_velocity: t.Positive[t.MetresPerSecond]

@@ -20,7 +20,7 @@ from slider.env.estimator import StateEstimator
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import NUM_JOINTS, NUM_MOTORS, VELOCITY
+from slider.robot.names import NUM_JOINTS, VELOCITY, motor_names
 
 LARGEST = 1e6  # of a reading
 _ALL = slice(None)  # robots
@@ -34,7 +34,7 @@ _AGENT = {
     "heading_target": 1,
 }
 _CLOCK = {"phase": 1, "halted": 1}
-_ESTIMATOR = {"velocity": 3, "position": 3, "variance": 2, "rates": 2, "forces": 2}
+_ESTIMATOR = {"velocity": 3, "position": 3, "bias": 3, "variance": 2, "rates": 2, "forces": 2}
 
 Tensors = dict[str, torch.Tensor]
 
@@ -179,7 +179,7 @@ def estimator_step(robot: RobotConfig, config: EstimatorConfig) -> Step:
             "N m",
             "mean since the last reading, in the order of motors; with it goes the velocity "
             "increment",
-            [0.0] * NUM_MOTORS,
+            [0.0] * len(motor_names(robot.geometry)),
         ),
         "velocity_increment": Reading(
             "m/s",

@@ -3,11 +3,11 @@
 The inertial unit gives orientation, angular velocity and the velocity increment of its strapdown
 integration; encoders give joint positions and velocities; motor currents give torques. A Kalman
 filter with one variance for the three components predicts the base's velocity from the increment
-and corrects it by leg odometry: the point of a loaded foot that touches the ground rests. After
-Bloesch et al., "State estimation for legged robots: consistent fusion of leg kinematics and IMU"
-(RSS 2012), with the orientation left to the inertial unit. The force of a foot is that of a
-momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of what the joints do
-to the leg's length (virtual work).
+and corrects it, and the increment's bias, by leg odometry: the point of a loaded foot that touches
+the ground rests. After Bloesch et al., "State estimation for legged robots: consistent fusion of
+leg kinematics and IMU" (RSS 2012), with the orientation left to the inertial unit. The force of a
+foot is that of a momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of
+what the joints do to the leg's length (virtual work).
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from slider.env.starts import SLIDES
 from slider.env.state import RobotState
 from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.kinematics import FootMotion, foot_motion, leg_extension_jacobian
-from slider.robot.names import GRAVITY, LEG_MOTORS, LEG_SIZE, NUM_JOINTS, SIDES
+from slider.robot.names import GRAVITY, LEG_GAIT_JOINTS, LEG_SIZE, NUM_JOINTS, SIDES
 from slider.robot.transmission import Transmission, leg_inertia
 
 _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
@@ -65,15 +65,17 @@ class Leg(NamedTuple):
     def of(cls, robot: RobotConfig) -> "Leg":
         """The nominal robot's."""
         bodies, geometry = own_bodies(robot), robot.geometry
-        tube, foot = bodies["tube"], bodies["foot"]
+        tube, below = bodies["tube"], [bodies[n] for n in ("foot", "sole") if n in bodies]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
         stretch = leg_extension_jacobian(geometry, np.zeros((1, NUM_JOINTS)), 0)[0]
-        damping = [robot.joints[name].damping for name in geometry.leg_joints[:LEG_MOTORS]]
+        damping = [robot.joints[name].damping for name in geometry.leg_joints[:LEG_GAIT_JOINTS]]
+        inertia = leg_inertia(robot)[:LEG_GAIT_JOINTS, :LEG_GAIT_JOINTS]
         return cls(
             weight=total_mass(bodies) * GRAVITY,
-            mass=tube.mass + foot.mass,
-            moment=tube.mass * depth + foot.mass * (geometry.leg_length - foot.com[2]),
-            reflected_mass=float(stretch @ leg_inertia(robot) @ stretch),
+            mass=tube.mass + sum(part.mass for part in below),
+            moment=tube.mass * depth
+            + sum(part.mass * (geometry.leg_length - part.com[2]) for part in below),
+            reflected_mass=float(stretch @ inertia @ stretch),
             damping=float(stretch**2 @ damping),
         )
 
@@ -88,16 +90,16 @@ class StateEstimator:
         motors = Transmission.of(robot).matrix
         self._slide_efforts = asarray(motors[:, SLIDES], like)
         starts = (leg * LEG_SIZE for leg in range(len(SIDES)))
-        self._legs = [asarray(motors[:, start : start + LEG_MOTORS], like) for start in starts]
+        self._legs = [asarray(motors[:, start : start + LEG_GAIT_JOINTS], like) for start in starts]
         self._leg = Leg.of(robot)
-        self.velocity, self.position = zeros((2, count, 3), like)
+        self.velocity, self.position, self.bias = zeros((3, count, 3), like)
         self.variance = zeros((count, 2), like)  # of a velocity component, of the height
         self.rates, self.forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
         self.fresh = zeros(count, like) == 0
 
     def reset(self, index: Array, place: Array) -> None:
         """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
-        for values in (self.velocity, self.variance, self.forces, self.rates):
+        for values in (self.velocity, self.bias, self.variance, self.forces, self.rates):
             values[index] = 0.0
         self.fresh[index] = True
         self.position[index, :2] = place
@@ -117,7 +119,8 @@ class StateEstimator:
         turning = xp.einsum("nij,nj->ni", rotation, measured.angular_velocity)
         joints, rates = measured.joint_positions, measured.joint_velocities
         feet = foot_motion(self._geometry, rotation, turning, joints, rates)
-        velocity = self.velocity + xp.einsum("nij,nj->ni", rotation, increment)
+        gained = increment - self.bias * elapsed[:, None]
+        velocity = self.velocity + xp.einsum("nij,nj->ni", rotation, gained)
         velocity[:, 2] -= GRAVITY * elapsed
         position = self.position + velocity * elapsed[:, None]
         deviations = asarray([config.acceleration, config.vertical_velocity], elapsed)
@@ -141,12 +144,16 @@ class StateEstimator:
         gain = variance * total[:, None] / (variance * total[:, None] + noise)
         fresh = self.fresh[:, None]
         gain = xp.where(fresh, 1.0, gain)
-        velocity += gain[:, :1] * ((share[..., None] * leg_velocities).sum(1) - velocity)
+        correction = gain[:, :1] * ((share[..., None] * leg_velocities).sum(1) - velocity)
+        velocity += correction
+        # The steady gain of a Kalman filter whose bias is a random walk.
+        bias = self.bias - xp.einsum("nji,nj->ni", rotation, correction) / config.bias_time
         position[:, 2] += gain[:, 1] * ((share * leg_heights).sum(1) - position[:, 2])
 
         due = fresh | (elapsed > 0)[:, None]
         self.velocity = xp.where(due, velocity, self.velocity)
         self.position = xp.where(due, position, self.position)
+        self.bias = xp.where(due & ~fresh, bias, self.bias)
         self.variance = xp.where(due, (1 - gain) * variance + fresh * noise, self.variance)
         self.rates = xp.where(due, along[1], self.rates)
         self.forces = xp.where(due, forces, self.forces)

@@ -22,7 +22,7 @@ def random_states(count: int):
 
 def test_pinocchio_and_mujoco_agree_on_random_motions_and_impacts():
     """Two dynamics of the prismatic robot, each with its own way to masses, rotors, friction."""
-    driven = list(names.ACTUATED)
+    driven = list(names.GAIT_JOINTS)
     for side, state in random_states(10):
         efforts, wrench = pinocchio().inverse_dynamics(state, side)
         forces, jacobian = plant().inverse(plant_state(state), side)

@@ -10,10 +10,10 @@ import numpy as np
 
 from slider.config.gait import Posture
 from slider.config.robot import Mechanism
-from slider.robot.knee_map import prismatic_motion, with_upper_feet
+from slider.robot.knee_map import prismatic_motion
 from slider.robot.names import other_side
 from slider.robot.transmission import Transmission
-from slider.verification.pin_robot import PinRobot
+from slider.verification.pin_robot import PinRobot, full
 from slider.verification.plant import Plant, pressure_share
 from slider.verification.stored import StepMotion, StoredGait
 
@@ -42,17 +42,17 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
     phase = np.linspace(0.0, 1.0, points)
     rows = []
     for time in phase * motion.duration:
-        roll = motion.roll_at(time)
-        still = robot.moving(motion, time, np.array([*roll[:2], 0.0]))
-        moment, inertia = robot.line_moment_and_inertia(still, motion.side)
-        state = robot.moving(motion, time, np.array([*roll[:2], -moment / inertia]))
+        roll = motion.roll_at(time)[:2]
+        turn = robot.free_roll(motion, time, roll)
+        state = robot.moving(motion, time, np.array([*roll, turn]))
         forces, wrench = robot.inverse_dynamics(state, motion.side)
         _, efforts = robot.work(motion.joints_at(time)[0], forces)
-        rows.append((efforts, wrench, robot.foot_ends(state.q, other_side(motion.side))))
-    efforts, wrench, ends = (np.array(column) for column in zip(*rows, strict=True))
+        ends = robot.foot_ends(state.q, other_side(motion.side))
+        rows.append((full(efforts), wrench, ends, state.q[7:], state.v[6:]))
+    efforts, wrench, ends, *own = (np.array(column) for column in zip(*rows, strict=True))
     motions = motion.joints_at(phase * motion.duration)
     joints, speeds, _ = prismatic_motion(*motions, robot.lengths)
-    joints, speeds, efforts = (with_upper_feet(values) for values in (joints, speeds, efforts))
+    joints, speeds = (full(values) for values in ((joints, speeds) if robot.soles is None else own))
     return DenseStep(phase, joints, speeds, efforts, wrench, ends)
 
 

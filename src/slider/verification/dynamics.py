@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from slider.config.gait import IntegratorConfig
 from slider.robot.kinematics import rotation_from_quaternion
-from slider.robot.knee_map import with_upper_feet
-from slider.robot.names import SIDES
-from slider.verification.pin_robot import FloatingState, PinRobot
+from slider.robot.names import LAST_JOINTS, SIDES
+from slider.verification.pin_robot import FloatingState, PinRobot, full
 from slider.verification.stored import StepMotion, StoredGait
 
 _BASE = 6
@@ -30,6 +29,10 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
     w, x, y, z = base[3:7]
     knee = gait.knee_positions[sample], gait.knee_velocities[sample]
     joints, rates, _ = robot.joint_motion(*knee, np.zeros_like(knee[0]))
+    if robot.soles is not None:
+        joints, rates = full(joints), full(rates)
+        for values, stored in zip((joints, rates), gait.last_joints[sample], strict=True):
+            values[list(LAST_JOINTS)] = stored
     step = gait.step_of(sample)
     q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], joints])
     v = np.concatenate([rotation.T @ base[7:10], base[10:13], rates])
@@ -52,22 +55,25 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
 
     Returns:
         Worst torque of the knee's joints [N m] and effort of the slide's [N m, N], force and moment
-        left on the floating base [N, N m], and stored moment about the foot line [N m].
+        left on the floating base [N, N m], and stored moment about the foot line [N m]: of a sole
+        that about the ankle's roll.
     """
-    torque, effort, base = [], [], []
+    torque, effort, base, line = [], [], [], gait.ground_wrench[:, 3].copy()
     for sample in range(2 * gait.half):
-        state = stored_state(gait, robot, sample)
-        jacobian = robot.jacobian(state.q, SIDES[gait.step_of(sample)])
+        state, side = stored_state(gait, robot, sample), SIDES[gait.step_of(sample)]
+        jacobian = robot.jacobian(state.q, side)
         rest = robot.forces(state) - jacobian.T @ gait.ground_wrench[sample]
         base.append(_worst(rest[:_BASE]))
         torques, efforts = robot.work(gait.knee_positions[sample], rest[_BASE:])
         torque.append(_worst(torques - gait.knee_torques[sample]))
-        effort.append(_worst(with_upper_feet(efforts) - gait.efforts[sample]))
+        effort.append(_worst(full(efforts) - gait.efforts[sample]))
+        if robot.soles is not None:
+            line[sample] = robot.passive(gait.efforts[sample], state, side)
     return {
         "dynamics_torque": _worst(torque),
         "dynamics_efforts": _worst(effort),
         "dynamics_base": _worst(base),
-        "dynamics_line_moment": _worst(gait.ground_wrench[:, 3]),
+        "dynamics_line_moment": _worst(line),
     }
 
 
@@ -127,7 +133,7 @@ def periodicity(gait: StoredGait) -> dict[str, float]:
     """
     ends = [gait.half - 1, 2 * gait.half - 1]
     starts = [gait.half, 0]
-    joints = gait.knee_positions[ends] - gait.knee_positions[starts]
+    joints, rolls = (x[ends] - x[starts] for x in (gait.knee_positions, gait.last_joints[:, 0]))
     height = gait.base[ends, 2] - gait.base[starts, 2]
     before, after = (
         Rotation.from_quat(gait.base[at, 3:7], scalar_first=True) for at in (ends, starts)
@@ -139,7 +145,7 @@ def periodicity(gait: StoredGait) -> dict[str, float]:
         feet = gait.origin(1) + first.apply(gait.swing_foot[-1])
         again = feet + both.apply(gait.base[0, :3])
         middle = np.concatenate([middle, gait.base[-1, :2] - again[:2]])
-    jumps = (joints, height, (before * after.inv()).magnitude(), middle)
+    jumps = (joints, rolls, height, (before * after.inv()).magnitude(), middle)
     return {"periodicity": _worst([_worst(jump) for jump in jumps])}
 
 
@@ -157,9 +163,7 @@ def integrate_roll(
     """
 
     def derivative(time: float, state: np.ndarray) -> np.ndarray:
-        still = robot.moving(motion, time, np.array([*state, 0.0]))
-        moment, inertia = robot.line_moment_and_inertia(still, motion.side)
-        return np.array([state[1], -moment / inertia])
+        return np.array([state[1], robot.free_roll(motion, time, state)])
 
     result = solve_ivp(
         derivative,

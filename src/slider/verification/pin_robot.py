@@ -15,20 +15,32 @@ import numpy as np
 import pinocchio as pin
 
 from slider.config.robot import Link, Mechanism
-from slider.robot.knee_map import KneeLengths, Motion, prismatic_motion, triangle
-from slider.robot.names import LEG_MOTORS, SIDES
+from slider.robot.knee_map import KneeLengths, Motion, all_joints, prismatic_motion, triangle
+from slider.robot.names import (
+    GAIT_JOINTS,
+    LAST_JOINTS,
+    LEG_GAIT_JOINTS,
+    NUM_JOINTS,
+    SIDES,
+    other_side,
+)
 from slider.verification.stored import StepMotion
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 _BASE, _TURNS = 6, pin.JointModelRevoluteUnaligned
 _LEFT, _UP = np.eye(3)[1:]
-_LEGS = np.array([0, LEG_MOTORS])  # first joint of each
+_LEGS = np.array([0, LEG_GAIT_JOINTS])  # first joint of each
 _PITCH, _KNEE, _ANKLE = 2, 3, 4  # of a leg with a virtual knee
+_TURN_BACK = ("hip_yaw", "hip_roll", "ankle_roll")
+_DRIVEN = list(GAIT_JOINTS)
 
 
 @dataclass(frozen=True)
 class FloatingState:
-    """Configuration (17,), velocity and acceleration (16,) of the floating-base model."""
+    """Configuration (17,), velocity and acceleration (16,) of the floating-base model.
+
+    Of a robot with soles (19,) and (18,).
+    """
 
     q: np.ndarray
     v: np.ndarray
@@ -38,13 +50,18 @@ class FloatingState:
 class PinRobot:
     """A robot whose bodies move as ``gait.dynamics`` says: ``prismatic`` or ``knee``.
 
-    Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines. Its joints are the
-    slide's or the virtual knee's, those in which its bodies move; gaits are polynomials in the
-    knee's. Eq. 1 (exact) gives the slide's: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
+    Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines or soles. Its joints
+    are the slide's or the virtual knee's, those in which its bodies move; gaits are polynomials in
+    the knee's. Eq. 1 (exact) gives the slide's: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work
+    τ_k = Jᵀ τ_p.
+
+    Soles are level about x at all times: the roll of a step is the leg's about the axis of the
+    stance ankle's roll, and the swing ankle's roll follows from the motion of its leg.
     """
 
     def __init__(self, robot: Mechanism, dynamics: str) -> None:
         geometry, self._slides = robot.geometry, dynamics == "prismatic"
+        self.soles = geometry.sole  # none where feet are lines
         self.lengths = KneeLengths.of(robot)
         leg = _prismatic_leg(robot) if self._slides else _knee_leg(robot)
         turn = np.diag([1.0, -1.0, 1.0])
@@ -57,7 +74,7 @@ class PinRobot:
                 place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
                 # In the mirror yaw and roll turn the other way about an axis whose y flips; the
                 # others turn the same way about one whose x and z do. A slide stays.
-                turns_back = name in ("hip_yaw", "hip_roll") or joint.kind is not _TURNS
+                turns_back = name in _TURN_BACK or joint.kind is not _TURNS
                 flips = [1.0, sign, 1.0] if turns_back else [sign, 1.0, sign]
                 axis = joint.axis * flips
                 parent = self.model.addJoint(parent, joint.kind(axis), place, f"{side}_{name}")
@@ -65,7 +82,7 @@ class PinRobot:
                 if side != SIDES[0]:
                     body = pin.Inertia(body.mass, turn @ body.lever, turn @ body.inertia @ turn)
                 self.model.appendBodyToJoint(parent, body, pin.SE3.Identity())
-            sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.ankle_height]))
+            sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.sole_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
         both = leg * len(SIDES)
         self.model.armature = np.array([0.0] * _BASE + [joint.rotor for joint in both])
@@ -80,8 +97,10 @@ class PinRobot:
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
 
-        q (10,) are positions of the knee legs.
+        q (10,) are positions of the knee legs. Forces and efforts of a robot with soles: (12,).
         """
+        if self.soles is not None:
+            return forces[_DRIVEN], forces
         jacobian = np.eye(len(q)) if self.lengths is None else slide_jacobian(q, self.lengths)
         if self._slides:
             return jacobian.T @ forces, forces
@@ -93,6 +112,27 @@ class PinRobot:
         """State at a time of a step; ``roll`` (3,) replaces the foot's stored one."""
         joints = self.joint_motion(*motion.joints_at(time))
         return self.standing(motion.roll_at(time) if roll is None else roll, *joints, motion.side)
+
+    def free_roll(self, motion: StepMotion, time: float, roll: np.ndarray) -> float:
+        """Acceleration [rad/s²] of roll and rate (2,) that leaves no moment about the roll's axis.
+
+        A sole stays out of that moment, which is linear in the acceleration.
+        """
+        still = self.moving(motion, time, np.array([*roll, 0.0]))
+        if self.soles is None:
+            moment, inertia = self.line_moment_and_inertia(still, motion.side)
+            return -moment / inertia
+        moments = []
+        for state in (still, self.moving(motion, time, np.array([*roll, 1.0]))):
+            efforts, _ = self.inverse_dynamics(state, motion.side)
+            moments.append(self.passive(efforts, state, motion.side))
+        return moments[0] / (moments[0] - moments[1])
+
+    def passive(self, efforts: np.ndarray, state: FloatingState, side: str) -> float:
+        """Moment [N m] of a stance sole on its leg about the roll's axis: no rotor, no friction."""
+        dof = _BASE + last_joint(side)
+        own = self.model.armature[dof] * state.a[dof] + self.damping[dof] * state.v[dof]
+        return float(own - efforts[dof - _BASE])
 
     def sole(self, side: str) -> int:
         """Frame of a sole."""
@@ -118,7 +158,15 @@ class PinRobot:
     def standing(
         self, roll: np.ndarray, q: np.ndarray, v: np.ndarray, a: np.ndarray, side: str = "left"
     ) -> FloatingState:
-        """State whose stance sole is at the origin and only rolls: angle, rate, acceleration."""
+        """State whose stance sole is at the origin and only rolls: angle, rate, acceleration.
+
+        A sole with a width does not roll, but its ankle does by the opposite.
+        """
+        if self.soles is not None:
+            q, v, a = all_joints(np.array([q, v, a]))
+            for values, stance in zip((q, v, a), roll, strict=True):
+                values[last_joint(side)] = -stance
+            roll = np.zeros(3)
         place = pin.SE3(pin.exp3(np.array([roll[0], 0.0, 0.0])), np.zeros(3))
         floating = np.concatenate([pin.neutral(self.model)[:7], q])
         pin.framesForwardKinematics(self.model, self.data, floating)
@@ -127,18 +175,41 @@ class PinRobot:
         jacobian = self.jacobian(floating, side)
         rate = np.array([0, 0, 0, roll[1], 0, 0]) - jacobian[:, 6:] @ v
         velocity = np.concatenate([np.linalg.solve(jacobian[:, :6], rate), v])
-        pin.forwardKinematics(self.model, self.data, floating, velocity, np.zeros(16))
+        pin.forwardKinematics(self.model, self.data, floating, velocity, np.zeros(len(velocity)))
         frame = self.sole(side)
         bias = pin.getFrameClassicalAcceleration(self.model, self.data, frame, WORLD).vector
         turn = np.array([0, 0, 0, roll[2], 0, 0]) - jacobian[:, 6:] @ a - bias
-        return FloatingState(
-            floating, velocity, np.concatenate([np.linalg.solve(jacobian[:, :6], turn), a])
-        )
+        acceleration = np.concatenate([np.linalg.solve(jacobian[:, :6], turn), a])
+        state = FloatingState(floating, velocity, acceleration)
+        if self.soles is not None:
+            self._level(state, other_side(side))
+        return state
+
+    def _level(self, state: FloatingState, side: str) -> None:
+        """Set angle, rate and acceleration of the ankle's roll that keep a sole level."""
+        joint, frame = last_joint(side), self.sole(side)
+        pin.forwardKinematics(self.model, self.data, state.q)
+        x, y, z = self.data.oMi[self.model.getJointId(f"{side}_ankle")].rotation.T
+        flat = np.cross(_UP, x)
+        state.q[7 + joint] = np.arctan2(flat @ z, flat @ y)
+        row, _ = self.levelling(state.q, side)
+        state.v[_BASE + joint] -= row @ state.v / row[_BASE + joint]
+        pin.forwardKinematics(self.model, self.data, state.q, state.v, state.a)
+        axis = pin.updateFramePlacement(self.model, self.data, frame).rotation[:, 1]
+        rate = pin.getFrameVelocity(self.model, self.data, frame, WORLD).angular
+        turn = pin.getFrameClassicalAcceleration(self.model, self.data, frame, WORLD).angular
+        tilting = np.cross(turn, axis) + np.cross(rate, np.cross(rate, axis))
+        state.a[_BASE + joint] -= tilting[2] / row[_BASE + joint]
+
+    def levelling(self, q: np.ndarray, side: str) -> np.ndarray:
+        """``levelling`` of a side (2, 18)."""
+        jacobian = self.jacobian(q, side)
+        return levelling(self.data.oMf[self.sole(side)].rotation, jacobian, side)
 
     def inverse_dynamics(
         self, state: FloatingState, side: str = "left"
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (10,) at its joints and ground force and moment (6,) at the stance sole."""
+        """Forces (10,) or (12,) at its joints, ground force and moment (6,) at the stance sole."""
         total = self.forces(state)
         jacobian = self.jacobian(state.q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, total[:6])
@@ -150,11 +221,9 @@ class PinRobot:
         return upper + np.triu(upper, 1).T
 
     def impact(self, q: np.ndarray, v: np.ndarray, side: str) -> np.ndarray:
-        """Velocity (16,) after a plastic impact: the sole stops but for the rate about x."""
-        mass = self.mass(q)
-        held = self.jacobian(q, side)[[0, 1, 2, 4, 5]]
-        system = np.block([[mass, -held.T], [held, np.zeros((5, 5))]])
-        return np.linalg.solve(system, np.concatenate([mass @ v, np.zeros(5)]))[:16]
+        """Velocity (16,) or (18,) after the impact of a side's foot: see ``after_impact``."""
+        lifted = None if self.soles is None else self.levelling(q, other_side(side))
+        return after_impact(self.mass(q), self.jacobian(q, side), v, lifted)
 
     def line_moment_and_inertia(self, state: FloatingState, side: str) -> tuple[float, float]:
         """Moment [N m] that a motion needs about the stance line, and inertia [kg m²] about it."""
@@ -174,12 +243,51 @@ class PinRobot:
     ) -> np.ndarray:
         """Impulses (11,) [N m s] at the joints and about the foot line that a jump needs.
 
-        They vanish in a plastic impact: neither torques nor a line contact can be that fast.
+        They vanish in a plastic impact: neither torques nor a line contact can be that fast. Of
+        soles it has those at the joints (11,), but for the roll that keeps the lifted one level.
         """
         jump = self.mass(q) @ (after - before)
         jacobian = self.jacobian(q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, jump[:6])
-        return np.append(jump[6:] - jacobian[:, 6:].T @ wrench, wrench[3])
+        joints = jump[6:] - jacobian[:, 6:].T @ wrench
+        if self.soles is not None:
+            return np.delete(joints, last_joint(other_side(side)))
+        return np.append(joints, wrench[3])
+
+
+def last_joint(side: str) -> int:
+    """Place of an ankle's roll among the joints (12)."""
+    return LAST_JOINTS[SIDES.index(side)]
+
+
+def full(joints: np.ndarray) -> np.ndarray:
+    """Values of all joints (..., 12) of a state's (..., 10) or, with soles, (..., 12)."""
+    return joints if joints.shape[-1] == NUM_JOINTS else all_joints(joints)
+
+
+def levelling(rotation: np.ndarray, jacobian: np.ndarray, side: str) -> np.ndarray:
+    """Rate of the height of a sole's y axis, and that of its ankle's roll, per velocity (2, n).
+
+    Of the sole's rotation (3, 3) and Jacobian (6, n).
+    """
+    roll = np.eye(jacobian.shape[1])[_BASE + last_joint(side)]
+    return np.stack([np.cross(rotation[:, 1], _UP) @ jacobian[3:], roll])
+
+
+def after_impact(
+    mass: np.ndarray, sole: np.ndarray, v: np.ndarray, lifted: np.ndarray | None
+) -> np.ndarray:
+    """Velocity (n,) after a plastic impact of a foot with Jacobian ``sole`` (6, n).
+
+    It stops but, where it is a line, for the rate about x. A sole stops; an impulse at the other
+    ankle's roll keeps that sole level, ``lifted`` of ``levelling``.
+    """
+    held = along = sole[[0, 1, 2, 4, 5]]
+    if lifted is not None:
+        held, along = (np.vstack([sole, row]) for row in lifted)
+    zero = np.zeros(len(held))
+    system = np.block([[mass, -along.T], [held, np.diag(zero)]])
+    return np.linalg.solve(system, np.concatenate([mass @ v, zero]))[: len(v)]
 
 
 def slide_jacobian(q: np.ndarray, lengths: KneeLengths) -> np.ndarray:
@@ -233,7 +341,9 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
     if capstan is not None:
         pair = 2.0 * robot.drives["capstan"].inertia
         rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
-    upper = _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
+    tube = _inertia_of(links.tube)
+    if links.upper_foot is not None:
+        tube = tube + _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
     kind, axis = pin.JointModelPrismaticUnaligned, -_UP
     knee, ankle = np.zeros(3), -geometry.leg_length * _UP
     if geometry.knee is not None:
@@ -245,11 +355,17 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
     hip = _hip(robot)
     chain = {
         **{name: hip[name] for name in order},
-        "slide": _LegJoint(kind, axis, knee - below, _inertia_of(links.tube) + upper),
+        "slide": _LegJoint(kind, axis, knee - below, tube),
         "ankle": _LegJoint(
-            _TURNS, np.array(geometry.ankle_direction), ankle - knee, _inertia_of(links.foot)
+            _TURNS,
+            np.array(geometry.ankle_direction),
+            ankle - knee,
+            _inertia_of(links.talus or links.foot),
         ),
     }
+    if geometry.sole is not None:
+        place = (geometry.sole.roll_height - geometry.ankle_height) * _UP
+        chain["ankle_roll"] = _LegJoint(_TURNS, np.eye(3)[0], place, _inertia_of(links.foot))
     return [
         joint._replace(rotor=rotors[name] + own.armature, damping=own.damping)
         for name, joint in chain.items()
@@ -293,6 +409,7 @@ def _thigh(robot: Mechanism) -> pin.Inertia:
     l1, l2, length = knee.thigh_length, knee.shank_length, geometry.leg_length
     along = (l1**2 + length**2 - l2**2) / (2 * l1 * length)  # cosine between thigh and leg
     fixed = _inertia_of(links.pitch)
+    assert links.upper_foot is not None  # with a virtual knee
     fixed += _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
     share = knee.shank_mass_fraction
     shank = -share * links.tube.mass * (l1 * along + length) / 2

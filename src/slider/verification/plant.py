@@ -1,7 +1,7 @@
 """Check 5: stored gaits against MuJoCo's inverse dynamics and mass matrix.
 
-The plant is the model that policies walk, without contacts and joint limits. Gaits hold its upper
-feet on the tubes.
+The plant is the model that policies walk, without contacts and joint limits. Gaits hold upper feet
+on the tubes.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -15,18 +15,14 @@ import numpy as np
 from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
-from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 from slider.verification.dynamics import stored_state, touchdowns
-from slider.verification.pin_robot import FloatingState, PinRobot
+from slider.verification.pin_robot import FloatingState, PinRobot, after_impact, full, levelling
 from slider.verification.stored import StepMotion, StoredGait
 
 _BASE = 6
-_HELD = [0, 1, 2, 4, 5]  # of a sole that lands: it may roll about its line
 _FAR = 10.0  # beyond it a distance does not count [m]
-_UPPER = np.array(names.PASSIVE)
-_DRIVEN = np.setdiff1d(np.arange(_BASE + names.NUM_JOINTS), _BASE + _UPPER)
 
 
 @dataclass(frozen=True)
@@ -44,6 +40,8 @@ class Plant:
     def __init__(self, robot: RobotConfig) -> None:
         self.slides = PinRobot(robot, "prismatic")
         self.motors = Transmission.of(robot)
+        self.driven = np.array(names.driven_joints(robot.geometry))
+        self.dofs = np.append(np.arange(_BASE), _BASE + self.driven)  # without held upper feet
         self.model = build_model(robot, SimulationOptions())
         off = mujoco.mjtDisableBit
         self.model.opt.disableflags |= int(off.mjDSBL_CONTACT) | int(off.mjDSBL_LIMIT)
@@ -71,20 +69,23 @@ class Plant:
         """
         forces, jacobian = self.inverse(state, side)
         wrench = np.linalg.solve(jacobian[:, :_BASE].T, forces[:_BASE])
-        wrench[3] = 0.0
+        if self.slides.soles is None:
+            wrench[3] = 0.0
         return (forces - jacobian.T @ wrench)[_BASE:], wrench
 
     def impact(self, before: PlantState, side: str) -> np.ndarray:
-        """Velocities (16,) after a foot's plastic impact, the upper feet locked on the tubes."""
-        data, model = self.data, self.model
+        """Velocities (16,) or (18,) after a foot's impact, upper feet locked on the tubes."""
+        data, model, dofs = self.data, self.model, self.dofs
         data.qpos[:], data.qvel[:] = before.qpos, before.qvel
         mujoco.mj_forward(model, data)
         mass = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, data, mass)
-        mass, held = mass[np.ix_(_DRIVEN, _DRIVEN)], self._jacobian(side)[_HELD][:, _DRIVEN]
-        system = np.block([[mass, -held.T], [held, np.zeros((len(_HELD), len(_HELD)))]])
-        start = np.concatenate([mass @ before.qvel[_DRIVEN], np.zeros(len(_HELD))])
-        return np.linalg.solve(system, start)[: len(_DRIVEN)]
+        mass, sole, lifted = mass[np.ix_(dofs, dofs)], self._jacobian(side)[:, dofs], None
+        if self.slides.soles is not None:
+            other = names.other_side(side)
+            rotation = data.site(names.sole(other)).xmat.reshape(3, 3)
+            lifted = levelling(rotation, self._jacobian(other), other)
+        return after_impact(mass, sole, before.qvel[dofs], lifted)
 
     def leg_distance(self, state: PlantState) -> float:
         """Least distance [m] between the solid parts of one leg and those of the other."""
@@ -109,9 +110,9 @@ def plant_state(state: FloatingState) -> PlantState:
     linear, angular = state.v[:3], state.v[3:6]
     acceleration = state.a[:3] + np.cross(angular, linear)
     return PlantState(
-        np.concatenate([state.q[:3], [w, x, y, z], with_upper_feet(state.q[7:])]),
-        np.concatenate([rotation @ linear, angular, with_upper_feet(state.v[_BASE:])]),
-        np.concatenate([rotation @ acceleration, state.a[3:6], with_upper_feet(state.a[_BASE:])]),
+        np.concatenate([state.q[:3], [w, x, y, z], full(state.q[7:])]),
+        np.concatenate([rotation @ linear, angular, full(state.v[_BASE:])]),
+        np.concatenate([rotation @ acceleration, state.a[3:6], full(state.a[_BASE:])]),
     )
 
 
@@ -136,7 +137,7 @@ def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
             {
                 "plant_force": np.linalg.norm(rest[:3]),
                 "plant_moment": np.linalg.norm(rest[3:_BASE]),
-                "plant_efforts": np.delete(missed, _UPPER).max(),
+                "plant_efforts": missed[plant.driven].max(),
                 "plant_cop": pressure_share(wrench, plant.slides),
                 "plant_torque": np.abs(torque).max(),
                 "plant_voltage": np.abs(voltage).max(),
@@ -146,10 +147,16 @@ def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
 
 
 def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:
-    """Place of the centre of pressure as a share of toe or heel length, of wrenches (..., 6)."""
+    """Place of the centre of pressure as a share of toe or heel length, of wrenches (..., 6).
+
+    Of a sole, where that is more, as a share of half its width.
+    """
     toe, heel = robot.ends[:, 0]
     place = -wrench[..., 4] / wrench[..., 2]
-    return np.maximum(place / toe, place / heel)
+    share = np.maximum(place / toe, place / heel)
+    if robot.soles is None:
+        return share
+    return np.maximum(share, np.abs(wrench[..., 3] / wrench[..., 2]) * 2 / robot.soles.width)
 
 
 def impact(gait: StoredGait, plant: Plant) -> dict[str, float]:
@@ -157,5 +164,5 @@ def impact(gait: StoredGait, plant: Plant) -> dict[str, float]:
     errors = []
     for before, after, side in touchdowns(gait, plant.slides):
         velocity = plant.impact(plant_state(before), side)
-        errors.append(np.abs(velocity - plant_state(after).qvel[_DRIVEN]).max())
+        errors.append(np.abs(velocity - plant_state(after).qvel[plant.dofs]).max())
     return {"plant_impact": float(np.max(errors))}

@@ -31,7 +31,9 @@ QUANTITIES: dict[str, Checked] = {
         "stored efforts of the slide's joints, the same", "N m, N", check=1
     ),
     "dynamics_base": Checked("what the stored ground wrench leaves on the base", "N, N m", check=1),
-    "dynamics_line_moment": Checked("stored moment about the foot line", "N m", check=1),
+    "dynamics_line_moment": Checked(
+        "stored moment about the foot line or the ankle's roll", "N m", check=1
+    ),
     "impact_velocity": Checked("velocities after a plastic impact", "rad/s, m/s", check=2),
     "impact_impulse": Checked(
         "impulsive torques that the stored velocities need", "N m s", check=2
@@ -52,7 +54,7 @@ QUANTITIES: dict[str, Checked] = {
     "plant_impact": Checked("velocities after MuJoCo's plastic impact", "rad/s, m/s", check=5),
     "dense_penetration": Checked("toe or heel of the swing foot below the ground", "m", check=6),
     "dense_clearance": Checked("toe or heel below the parabola of gait.posture", "m", check=6),
-    "dense_cop": Checked("centre of pressure as a share of toe or heel length", "-", check=6),
+    "dense_cop": Checked("centre of pressure as a share of the foot", "-", check=6),
     "dense_friction": Checked("friction coefficient that the foot needs", "-", check=6),
     "dense_torque": Checked("motor torques as a share of their limits", "-", check=6),
     "dense_voltage": Checked("motor voltages as a share of the bus", "-", check=6),

@@ -9,7 +9,7 @@ from scipy.interpolate import BPoly
 from slider.config.robot import Geometry
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import reflected
-from slider.robot.names import SIDES
+from slider.robot.names import LAST_JOINTS, NUM_JOINTS, SIDES
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,11 @@ class StoredGait:
         if step == 0:
             return np.zeros(3)
         return np.append(self.swing_foot[self.half - 1, :2], 0.0)
+
+    @property
+    def last_joints(self) -> np.ndarray:
+        """Positions and velocities (S, 2, 2) of both ankles' rolls; zero where a foot is a line."""
+        return self.samples[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)[..., LAST_JOINTS]
 
     @cached_property
     def steps(self) -> "list[StepMotion]":

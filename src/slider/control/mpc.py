@@ -141,7 +141,7 @@ class MpcSteps(Stepping):
     ) -> list[Task]:
         """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration.
 
-        It is along ``heading`` and ``slope`` (n,) [rad], and free about its line.
+        It is along ``heading`` and ``slope`` (n,) [rad]. A line is free to roll, a sole level.
         """
         robots, tasks = np.arange(len(foot)), self._config.whole_body
         place = dynamics.foot_jacobians[robots, foot, :3]
@@ -160,7 +160,9 @@ class MpcSteps(Stepping):
         rate = -point_velocity(turn, dynamics.qvel)
         rate[:, 1] += yaw_rate
         desired, weight = feedback(tasks.swing_rotation, error, rate)
-        return [follow, (turn, desired - bias, weight[1:])]
+        followed = [follow, (turn, desired - bias, weight[1:])]
+        gains = tasks.swing_rotation.kp, tasks.swing_rotation.kd
+        return followed + self._body.level(dynamics, foot, gains, weight[1])
 
 
 def swing_at_rest(position: np.ndarray) -> np.ndarray:

@@ -40,7 +40,7 @@ def run(settings: DisturbanceConfig, gains: ObserverConfig) -> tuple[list[RobotS
         measured.append(physics.measure(true[-1]))
         estimated.append(observer.estimate(measured[-1]))
         torques = np.zeros((COUNT, names.NUM_JOINTS))
-        torques[:, names.ACTUATED] = generator.normal(0.0, 5.0, (COUNT, len(names.ACTUATED)))
+        torques[:, names.GAIT_JOINTS] = generator.normal(0.0, 5.0, (COUNT, len(names.GAIT_JOINTS)))
         observer.send(torques)
         physics.step(torques)
         true.append(physics.read())

@@ -15,6 +15,7 @@ from slider.gait.outputs import (
     JOINTS,
     LEG,
     NUM_COORDINATES,
+    ROLL,
     STANCE,
     SWING,
     YAW,
@@ -23,9 +24,9 @@ from slider.gait.outputs import (
 )
 from slider.hzd.constraints import Orders, smooth_step
 from slider.robot.kinematics import turn_to_heading, yaw_of
-from slider.robot.names import ACTUATED
+from slider.robot.names import GAIT_JOINTS, LAST_JOINTS
 
-_DRIVEN = np.array(ACTUATED)
+_DRIVEN = np.array(GAIT_JOINTS)
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def motion(
     heading: np.ndarray,
     yaw_rate: np.ndarray,
     signs: np.ndarray,
+    soles: bool = False,
 ) -> Motion:
     """Coordinates; yaw counts from ``heading`` (n,) [rad], which turns with ``yaw_rate`` (n,).
 
@@ -65,7 +67,12 @@ def motion(
     jacobian = np.zeros((len(stance), NUM_COORDINATES, NUM_DOFS))
     jacobian[:, JOINTS:, 6:] = stance_selection(right, signs)
     np.multiply(side[:, None, None], axes @ angular, out=jacobian[:, :JOINTS])
-    roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
+    roll = np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
+    if soles:  # on which the legs roll
+        last = np.array(LAST_JOINTS)[stance]
+        roll = roll - dynamics.joints[rows, last]
+        jacobian[rows, ROLL, 6 + last] -= side
+    roll = side * roll
     yaw = side * wrapped(yaw_of(rotation) - heading)
     joints = stance_first(dynamics.joints[:, _DRIVEN], right, signs)
     rate = point_velocity(jacobian, dynamics.qvel)

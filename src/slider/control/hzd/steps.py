@@ -17,7 +17,7 @@ from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, driven_signs, output_matrix
 from slider.hzd.constraints import Orders, phase_of, phase_rate
 from slider.robot.kinematics import leg_extension_jacobian, turn_to_heading
-from slider.robot.names import NUM_JOINTS
+from slider.robot.names import LAST_JOINTS, NUM_JOINTS
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 
@@ -125,12 +125,17 @@ class HzdSteps(Stepping):
         self._place(walk, memory, robots, dynamics)
         ground = self._ground(walk, memory, robots)
         now = self._motion(walk, memory, robots, dynamics, ground)
+        feet, gains = memory.stance[robots, None], (self._constraints.kp, self._constraints.kd)
         tasks = [
             self._outputs(walk, now, ground),
-            self._body.stance(dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))),
+            self._body.stance(dynamics, feet, np.zeros(feet.shape)),
+            *self._body.level(dynamics, 1 - feet[:, 0], gains, self._config.weights.swing_foot),
         ]
-        feet = memory.stance[robots, None]
-        solved = self._body.solve(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
+        idle = None
+        if self._body.has_soles:  # as in gaits, the leg rolls freely on its foot
+            idle = np.arange(NUM_JOINTS) == np.array(LAST_JOINTS)[feet]
+        loaded = np.ones(feet.shape, dtype=bool)
+        solved = self._body.solve(dynamics, tasks, feet, loaded, idle)
         # Yaw rates grow to the commanded ones; on the way none is zero, which could mean to stand.
         yaw_rate, target = memory.velocity[robots, 2], memory.target_yaw_rate[robots]
         most = self._config.yaw_acceleration * self._period
@@ -188,7 +193,9 @@ class HzdSteps(Stepping):
     ) -> Motion:
         """As if the ground were level, yaw of the line from where the gait's course has it."""
         stance, heading = memory.stance[robots], memory.heading[robots]
-        result = motion(dynamics, stance, heading, memory.yaw_rate(robots), self._signs)
+        result = motion(
+            dynamics, stance, heading, memory.yaw_rate(robots), self._signs, self._body.has_soles
+        )
         result.x[:, YAW] += walk.turn * (walk.phase - 0.5)
         result.rate[:, YAW] += walk.turn * walk.rate
         result.x[:] -= ground[0]

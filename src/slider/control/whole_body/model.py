@@ -22,7 +22,6 @@ NUM_DOFS = 6 + names.NUM_JOINTS
 _COPIES = 32
 _BASE_BODY = 1
 _FLOATING, _BASE_TURN = 6, 3  # degrees of freedom of the base; from here on they are its rotation
-_LEGS = ((6, 11), (12, 17))  # without the upper feet, which move no sole
 
 
 @dataclass(frozen=True)
@@ -103,6 +102,8 @@ class NominalModel:
         self._places = (
             np.array([copies.site(f"0_{names.sole(side)}").id for side in names.SIDES]),
             np.array([copies.body(f"0_{name}").id - 1 for name in bodies]),
+            # Without upper feet, which move no sole.
+            _FLOATING + np.reshape(names.driven_joints(robot.geometry), (2, -1)),
         )
         standing = self.evaluate(nominal_qpos(robot)[None], np.zeros((1, NUM_DOFS)))
         self.nominal_height = float(standing.com[0, 2])
@@ -166,7 +167,7 @@ def _read(
     """Terms of the robots from ``start`` on, of as many as there are copies."""
     sparse, forces, coms, rotations, sites, site_rotations, twists, axes, rates = terms
     mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = results
-    (rows, columns), (own_sites, bodies) = entries, places
+    (rows, columns), (own_sites, bodies, legs) = entries, places
     offset, speed = np.empty(3), np.empty(3)
     for copy in range(min(len(sparse), len(qvel) - start)):
         robot = start + copy
@@ -189,10 +190,10 @@ def _read(
             jacobian, rate = jacobians[robot, leg], foot_bias[robot, leg]
             jacobian[:] = 0.0
             rate[:] = 0.0
-            for first, last in ((0, _FLOATING), _LEGS[leg]):
-                for dof in range(first, last):
-                    motion = axes[copy, dof], rates[copy, dof], qvel[robot, dof]
-                    _add_motion(motion, offset, speed, jacobian[:, dof], rate)
+            for place in range(_FLOATING + legs.shape[1]):
+                dof = place if place < _FLOATING else legs[leg, place - _FLOATING]
+                motion = axes[copy, dof], rates[copy, dof], qvel[robot, dof]
+                _add_motion(motion, offset, speed, jacobian[:, dof], rate)
 
 
 @part

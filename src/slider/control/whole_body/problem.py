@@ -3,8 +3,8 @@
 Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈
 follows from the unactuated rows of the equations of motion (base and upper feet), so that these
 hold exactly: q̈ = T y + t with y = (f, q̈ₐ). The QP is min Σ w (J q̈ + J̇ q̇ − a)² + ρ y² subject to
-friction pyramids inside the cones at both ends of each foot line and to the motors' torque-speed
-limits.
+friction pyramids inside the cones at both ends of each foot line, or the corners of each sole, and
+to the motors' torque-speed limits.
 """
 
 from dataclasses import dataclass, replace
@@ -20,10 +20,6 @@ from slider.robot import names
 from slider.robot.transmission import Transmission
 
 _BASE = 6
-_ACTUATED = np.array([_BASE + index for index in names.ACTUATED])
-_UNACTUATED = np.array([i for i in range(NUM_DOFS) if i not in set(_ACTUATED)])
-NUM_ACTUATED = len(_ACTUATED)
-_JOINTS = np.array(names.ACTUATED)
 
 
 Task = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -35,7 +31,7 @@ J̇ q̇, and weight (r,)."""
 class Problem:
     """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper.
 
-    ``efforts`` (n, 10, size + 1) gives those of the actuated joints from (y, 1).
+    ``efforts`` (n, actuated, size + 1) gives those of the actuated joints from (y, 1).
     """
 
     hessian: np.ndarray
@@ -51,38 +47,52 @@ class WholeBody:
 
     def __init__(self, robot: RobotConfig, config: WholeBodyConfig) -> None:
         self._config = config
-        self._half_line = np.array([-robot.geometry.heel, robot.geometry.toe])
-        motors = Transmission.of(robot)
+        geometry, motors = robot.geometry, Transmission.of(robot)
+        sides = (0.0,) if geometry.sole is None else np.array([-0.5, 0.5]) * geometry.sole.width
+        # Points on the ground in the frame of the foot, forward and leftward.
+        self._points = np.array([[x, y] for x in (-geometry.heel, geometry.toe) for y in sides])
+        self._joints = np.array(names.driven_joints(geometry))
+        actuated = _BASE + self._joints
+        self._places = actuated, np.setdiff1d(np.arange(NUM_DOFS), actuated)
         self._motors = replace(motors, torque=config.effort_share * motors.torque)
-        self._to_motors = motors.inverse[:, _JOINTS]
+        self._to_motors = motors.inverse[:, self._joints].copy()
 
     def contact_jacobian(self, dynamics: Dynamics, feet: np.ndarray) -> np.ndarray:
-        """Jacobian (n, 6 · feet, 18) of heel and toe of the stance ``feet`` (n, k)."""
-        points = np.empty((*feet.shape, len(self._half_line), 3, NUM_DOFS))
+        """Jacobian (n, 3 · points, 18) of ends or corners of the stance ``feet`` (n, k)."""
+        points = np.empty((*feet.shape, len(self._points), 3, NUM_DOFS))
         terms = dynamics.foot_jacobians, dynamics.foot_rotations
-        _line_ends(*terms, feet, self._half_line, points)
+        _ground_points(*terms, feet, self._points, points)
         return points.reshape(len(feet), -1, NUM_DOFS)
 
     def build(
-        self, dynamics: Dynamics, tasks: list[Task], feet: np.ndarray, loaded: np.ndarray
+        self,
+        dynamics: Dynamics,
+        tasks: list[Task],
+        feet: np.ndarray,
+        loaded: np.ndarray,
+        idle: np.ndarray | None = None,
     ) -> Problem:
-        """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force."""
-        contact = self.contact_jacobian(dynamics, feet)
+        """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force.
+
+        Motors that are ``idle`` (n, m) have no torque.
+        """
+        contact, actuated = self.contact_jacobian(dynamics, feet), len(self._joints)
         n, ranks = contact.shape[:2]
-        size, cone = ranks + NUM_ACTUATED, self._cone(ranks)
+        size, cone = ranks + actuated, self._cone(ranks)
         hessian, gradient = np.empty((n, size, size)), np.empty((n, size))
-        efforts = np.empty((n, NUM_ACTUATED, size + 1))
-        rows, offset = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
-        rows[:, NUM_ACTUATED:] = cone
+        efforts = np.empty((n, actuated, size + 1))
+        rows, offset = np.empty((n, actuated + len(cone), size)), np.empty((n, actuated))
+        rows[:, actuated:] = cone
         terms = dynamics.mass_matrix, dynamics.bias, contact
         jacobians, desired, weights = zip(*tasks, strict=True)
         targets = np.concatenate(jacobians, 1), np.concatenate(desired, 1)
         accelerations, forces = self._config.regularisation
-        settings = np.repeat([forces, accelerations], [ranks, NUM_ACTUATED]), self._to_motors
+        settings = np.repeat([forces, accelerations], [ranks, actuated]), self._to_motors
         _reduce(
             terms,
             (*targets, np.sqrt(np.concatenate(weights))),
             settings,
+            self._places,
             hessian,
             gradient,
             efforts,
@@ -90,8 +100,11 @@ class WholeBody:
             offset,
         )
         low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
-        largest = np.where(np.repeat(loaded, 2, axis=1), self._config.force_max, 0.0)
-        force_high = np.repeat(largest, 3, axis=1)  # at heel and toe; none of a foot in the air
+        if idle is not None:
+            low, high = np.where(idle, 0.0, low), np.where(idle, 0.0, high)
+        largest = np.where(loaded, self._config.force_max, 0.0)
+        largest = np.repeat(largest, len(self._points), axis=1)
+        force_high = np.repeat(largest, 3, axis=1)  # at each point; none of a foot in the air
         force_low = -force_high
         force_low[:, 2::3] = 0.0
         zero = np.zeros((n, len(cone)))
@@ -102,7 +115,7 @@ class WholeBody:
     def _cone(self, ranks: int) -> np.ndarray:
         """Rows (4 · points, size) of ±fx − μ' fz ≤ 0 and ±fy − μ' fz ≤ 0, μ' = μ/√2."""
         points = ranks // 3
-        cone = np.zeros((4 * points, ranks + NUM_ACTUATED))
+        cone = np.zeros((4 * points, ranks + len(self._joints)))
         for point in range(points):
             for row, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
                 cone[4 * point + row, 3 * point + axis] = sign
@@ -116,30 +129,34 @@ class WholeBody:
         )
         torques = np.zeros((len(minimisers), names.NUM_JOINTS))
         maps, offsets = problem.efforts[:, :, :-1], problem.efforts[:, :, -1]
-        torques[:, _JOINTS] = (maps @ minimisers[:, :, None])[..., 0] + offsets
+        torques[:, self._joints] = (maps @ minimisers[:, :, None])[..., 0] + offsets
         torques[~solved] = 0.0
         return torques, solved
 
 
 @compiled
-def _line_ends(
+def _ground_points(
     jacobians: np.ndarray,
     rotations: np.ndarray,
     feet: np.ndarray,
-    lengths: np.ndarray,
+    places: np.ndarray,
     points: np.ndarray,
 ) -> None:
-    """Points (n, k, ends, 3, 18) at ``lengths`` along a foot's line: J + ω × r."""
+    """Points (n, k, p, 3, 18) at ``places`` (p, 2) forward and leftward on a foot: J + ω × r."""
     for robot in range(len(feet)):
         for place, foot in enumerate(feet[robot]):
-            jacobian, along = jacobians[robot, foot], rotations[robot, foot, :, 0]
-            for axis in range(3):
-                one, other = (axis + 1) % 3, (axis + 2) % 3
-                for dof in range(NUM_DOFS):
-                    turned = jacobian[3 + one, dof] * along[other]
-                    turned -= jacobian[3 + other, dof] * along[one]
-                    for end, length in enumerate(lengths):
-                        points[robot, place, end, axis, dof] = jacobian[axis, dof] + length * turned
+            jacobian, axes = jacobians[robot, foot], rotations[robot, foot]
+            for point in range(len(places)):
+                for axis in range(3):
+                    one, other = (axis + 1) % 3, (axis + 2) % 3
+                    for dof in range(NUM_DOFS):
+                        value = jacobian[axis, dof]
+                        for side in range(2):
+                            if places[point, side] != 0.0:
+                                turned = jacobian[3 + one, dof] * axes[other, side]
+                                turned -= jacobian[3 + other, dof] * axes[one, side]
+                                value += places[point, side] * turned
+                        points[robot, place, point, axis, dof] = value
 
 
 _Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -150,6 +167,7 @@ def _reduce(
     terms: _Arrays,
     targets: _Arrays,
     settings: tuple[np.ndarray, np.ndarray],
+    places: tuple[np.ndarray, np.ndarray],
     hessian: np.ndarray,
     gradient: np.ndarray,
     efforts: np.ndarray,
@@ -166,14 +184,15 @@ def _reduce(
         targets,
         settings,
     )
-    size, count, free = hessian.shape[1], len(root_weight), len(_UNACTUATED)
+    actuated = len(places[0])
+    size, count, free = hessian.shape[1], len(root_weight), len(places[1])
     mass_uu, unactuated = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
     columns, weighted, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
-    product, coupling = np.empty((count, size + 1)), np.empty((NUM_ACTUATED, free))
-    motors, mass_rows = np.empty((NUM_ACTUATED, size + 1)), np.empty((NUM_ACTUATED, NUM_DOFS))
+    product, coupling = np.empty((count, size + 1)), np.empty((actuated, free))
+    motors, mass_rows = np.empty((actuated, size + 1)), np.empty((actuated, NUM_DOFS))
     for robot in range(len(mass)):
-        _eliminate(mass[robot], bias[robot], contact[robot], mass_uu, unactuated)
-        _multiply(jacobian[robot], unactuated, columns, product)
+        _eliminate(mass[robot], bias[robot], contact[robot], places, mass_uu, unactuated)
+        _multiply(jacobian[robot], places, unactuated, columns, product)
         for row in range(count):
             for column in range(size):
                 weighted[row, column] = root_weight[row] * product[row, column]
@@ -184,16 +203,16 @@ def _reduce(
             hessian[robot, place, place] += damping[place]
             gradient[robot, place] *= -1.0
         effort = efforts[robot]
-        for row, joint in enumerate(_ACTUATED):
+        for row, joint in enumerate(places[0]):
             for dof in range(NUM_DOFS):
                 mass_rows[row, dof] = mass[robot, joint, dof]
-        _multiply(mass_rows, unactuated, coupling, effort)
-        for row, joint in enumerate(_ACTUATED):
+        _multiply(mass_rows, places, unactuated, coupling, effort)
+        for row, joint in enumerate(places[0]):
             for column in range(contact.shape[1]):
                 effort[row, column] -= contact[robot, column, joint]
             effort[row, size] += bias[robot, joint]
         np.dot(to_motors, effort, motors)
-        for row in range(NUM_ACTUATED):
+        for row in range(actuated):
             for column in range(size):
                 rows[robot, row, column] = motors[row, column]
             offset[robot, row] = motors[row, size]
@@ -201,16 +220,20 @@ def _reduce(
 
 @part
 def _multiply(
-    matrix: np.ndarray, unactuated: np.ndarray, columns: np.ndarray, product: np.ndarray
+    matrix: np.ndarray,
+    places: tuple[np.ndarray, np.ndarray],
+    unactuated: np.ndarray,
+    columns: np.ndarray,
+    product: np.ndarray,
 ) -> None:
-    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), through its ``columns`` (r, 8) of q̈ᵤ."""
-    first = unactuated.shape[1] - 1 - NUM_ACTUATED
+    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), through its ``columns`` of q̈ᵤ."""
+    first = unactuated.shape[1] - 1 - len(places[0])
     for row in range(len(matrix)):
-        for place, dof in enumerate(_UNACTUATED):
+        for place, dof in enumerate(places[1]):
             columns[row, place] = matrix[row, dof]
     np.dot(columns, unactuated, product)
     for row in range(len(matrix)):
-        for place, dof in enumerate(_ACTUATED):
+        for place, dof in enumerate(places[0]):
             product[row, first + place] += matrix[row, dof]
 
 
@@ -219,18 +242,19 @@ def _eliminate(
     mass: np.ndarray,
     bias: np.ndarray,
     contact: np.ndarray,
+    places: tuple[np.ndarray, np.ndarray],
     mass_uu: np.ndarray,
     unactuated: np.ndarray,
 ) -> None:
     """Unactuated accelerations q̈ᵤ = S (f, q̈ₐ, 1): Mᵤᵤ S = (Jᵤᵀ, −Mᵤₐ, −hᵤ)."""
     ranks = len(contact)
-    for row, joint in enumerate(_UNACTUATED):
+    for row, joint in enumerate(places[1]):
         for column in range(ranks):
             unactuated[row, column] = contact[column, joint]
-        for place, dof in enumerate(_ACTUATED):
+        for place, dof in enumerate(places[0]):
             unactuated[row, ranks + place] = -mass[joint, dof]
-        unactuated[row, ranks + NUM_ACTUATED] = -bias[joint]
-        for place, dof in enumerate(_UNACTUATED):
+        unactuated[row, ranks + len(places[0])] = -bias[joint]
+        for place, dof in enumerate(places[1]):
             mass_uu[row, place] = mass[joint, dof]
     _solve(mass_uu, unactuated)
 

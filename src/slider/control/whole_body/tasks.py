@@ -13,7 +13,7 @@ from slider.control.whole_body.problem import Task, WholeBody
 from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
 
-_LINE, _UP = 5, 2  # coordinates of a foot's line: place, pitch, yaw; its height
+_LINE, _UP = 5, 2  # coordinates of a foot's line: place, pitch, yaw; its height. A sole rolls, too
 Solved = tuple[np.ndarray, np.ndarray]
 
 
@@ -29,6 +29,7 @@ class BodyControl:
     ) -> None:
         self._config, self._search, self._height = config, search, height
         self._whole_body = WholeBody(robot, config)
+        self.has_soles = robot.geometry.sole is not None
 
     def on_both_feet(
         self,
@@ -83,10 +84,18 @@ class BodyControl:
         ]
 
     def solve(
-        self, dynamics: Dynamics, tasks: list[Task], feet: np.ndarray, loaded: np.ndarray
+        self,
+        dynamics: Dynamics,
+        tasks: list[Task],
+        feet: np.ndarray,
+        loaded: np.ndarray,
+        idle: np.ndarray | None = None,
     ) -> Solved:
-        """Torques for ``tasks`` on ``feet`` (n, k), of which those ``loaded`` carry."""
-        return self._whole_body.solve(self._whole_body.build(dynamics, tasks, feet, loaded))
+        """Torques for ``tasks`` on ``feet`` (n, k), of which those ``loaded`` carry.
+
+        Motors that are ``idle`` (n, m) have none.
+        """
+        return self._whole_body.solve(self._whole_body.build(dynamics, tasks, feet, loaded, idle))
 
     def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Task:
         """Base upright, looking along ``heading`` (n,) [rad] that turns with ``yaw_rate`` (n,)."""
@@ -100,14 +109,33 @@ class BodyControl:
         error = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
         return jacobian, *feedback(self._config.base, error, rate)
 
+    def level(
+        self, dynamics: Dynamics, foot: np.ndarray, gains: tuple[float, float], weight: float
+    ) -> list[Task]:
+        """The soles of feet (n,) do not roll; no task where a foot is a line.
+
+        ``gains`` are of the roll and its rate [1/s²], [1/s].
+        """
+        if not self.has_soles:
+            return []
+        robots = np.arange(len(foot))
+        rotation = dynamics.foot_rotations[robots, foot]
+        axis = rotation[:, None, :, 0]
+        turn = axis @ dynamics.foot_jacobians[robots, foot, 3:]
+        bias = (axis @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
+        roll = np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))[:, None]
+        desired = -gains[0] * roll - gains[1] * point_velocity(turn, dynamics.qvel)
+        return [(turn, desired - bias, np.array([weight]))]
+
     def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Task:
-        """The lines of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
-        n, count = feet.shape
-        jacobian, desired = np.empty((n, count, _LINE, NUM_DOFS)), np.empty((n, count, _LINE))
+        """Lines or soles of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
+        (n, count), rows = feet.shape, _LINE + self.has_soles
+        jacobian, desired = np.empty((n, count, rows, NUM_DOFS)), np.empty((n, count, rows))
         terms = dynamics.foot_jacobians, dynamics.foot_bias, dynamics.foot_rotations
         task = self._config.stance
         _stance(terms, dynamics.qvel, feet, sinking, task.kd, jacobian, desired)
-        weight = np.tile([task.weight[0]] * 3 + [task.weight[1], task.weight[2]], count)
+        turns = [*task.weight[1:], task.weight[1]][: rows - 3]
+        weight = np.tile([task.weight[0]] * 3 + turns, count)
         return jacobian.reshape(n, -1, NUM_DOFS), desired.reshape(n, -1), weight
 
 
@@ -121,7 +149,7 @@ def _stance(
     jacobian: np.ndarray,
     desired: np.ndarray,
 ) -> None:
-    """J (n, k, 5, 18) of place, pitch and yaw of lines, and −kd (J q̇ + sinking) − J̇ q̇."""
+    """J (n, k, rows, 18) of place, pitch, yaw and maybe roll, and −kd (J q̇ + sinking) − J̇ q̇."""
     jacobians, biases, rotations = terms
     for robot in range(len(feet)):
         for place, foot in enumerate(feet[robot]):
@@ -134,11 +162,15 @@ def _stance(
                     rows[axis, dof] = foot_jacobian[axis, dof]
                 rows[3, dof] = (x * foot_jacobian[4, dof] - y * foot_jacobian[3, dof]) / length
                 rows[4, dof] = foot_jacobian[5, dof]
+                if len(rows) > _LINE:
+                    rows[5, dof] = (x * foot_jacobian[3, dof] + y * foot_jacobian[4, dof]) / length
             for axis in range(3):
                 rate[axis] = -bias[axis]
             rate[3], rate[4] = -(x * bias[4] - y * bias[3]) / length, -bias[5]
+            if len(rows) > _LINE:
+                rate[5] = -(x * bias[3] + y * bias[4]) / length
             rate[_UP] -= kd * sinking[robot, place]
-            for row in range(_LINE):
+            for row in range(len(rows)):
                 rate[row] -= kd * np.dot(rows[row], qvel[robot])
 
 

@@ -60,7 +60,7 @@ def inverse_dynamics(form: Formulation) -> ca.Function:
     x = ca.SX.sym("x", NODE)
     s, tree = NodeSymbols.of(x), form.tree
     found = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
-    results = [found.torques, found.efforts, *tree.line_wrench(s.roll, found)]
+    results = [found.torques, found.efforts, *tree.ground_wrench(s.roll, found)]
     return ca.Function("inverse_dynamics", [x], results)
 
 

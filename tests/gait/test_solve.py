@@ -15,7 +15,7 @@ from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solution import dense_nodes, dense_violations, knee_trajectory
 from slider.gait.solve import ANCHOR, GaitSolver, PrimalDual, Solve
-from slider.robot.knee_map import prismatic_joints, with_upper_feet
+from slider.robot.knee_map import all_joints, prismatic_joints
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved, solver
 from tests.robot.lopsided import kneed
@@ -53,7 +53,7 @@ def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     walk = knee_trajectory(problem(), variables)
     _, velocity = prismatic_joints(walk.q, walk.v, config().robot)
     transmission = Transmission.of(config().robot)
-    return transmission.torques(with_upper_feet(walk.efforts)), transmission.angles(velocity)
+    return transmission.torques(all_joints(walk.efforts)), transmission.angles(velocity)
 
 
 def test_each_cost_is_least_for_its_own_optimum():
@@ -170,7 +170,7 @@ def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(name):
     extension = q[:, [3, 8]] + robot.geometry.bend
     assert has_knee or joint_bounds(gait.form)[1][3] == pytest.approx(slide.upper)
     assert lower - 1e-6 <= extension.min() < extension.max() <= upper
-    np.testing.assert_array_equal(prismatic_joints(q, q, robot)[0], with_upper_feet(q))
+    np.testing.assert_array_equal(prismatic_joints(q, q, robot)[0], all_joints(q))
 
 
 def test_functions_depend_on_the_formulation():

@@ -12,7 +12,7 @@ from tests.hzd.sample import dynamics, library, loop
 from tests.robot.lopsided import turned
 
 MODEL = RootedModel(config().robot)
-DRIVEN, SIGNS = np.array(names.ACTUATED), driven_signs(MODEL.geometry)
+DRIVEN, SIGNS = np.array(names.GAIT_JOINTS), driven_signs(MODEL.geometry)
 NUM = 11
 
 

@@ -14,7 +14,7 @@ from slider.core.errors import UserError
 from slider.gait.contact import end_loads, impact, mirrored
 from slider.gait.formulation import Formulation, Node, StepEnd, rotate_back
 from slider.gait.tree import SWING
-from slider.robot.names import ACTUATED, LEG_MOTORS, SIDES
+from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, SIDES
 
 ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
 _LENGTH = 0.1  # scale of small lengths [m]
@@ -123,20 +123,42 @@ def _loads(node: Node) -> list[Constraint]:
     form, weight = node.form, node.form.weight
     vertical, cone = end_loads(form, node.force, node.moment)
     least = form.config.contact.min_vertical * weight
-    legs = ca.vertsplit(form.tree.map.positions(node.symbols.q), LEG_MOTORS)
+    legs = ca.vertsplit(form.tree.map.positions(node.symbols.q), LEG_GAIT_JOINTS)
     sagittal, names = form.robot.geometry.sagittal, form.robot.geometry.leg_joints
     # Yaw and roll are bounded as variables.
     ranges = [form.robot.joints[names[place]] for place in sagittal] * len(SIDES)
     lower, upper = (np.array([getattr(r, side) for r in ranges]) for side in ("lower", "upper"))
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
-        equality("foot_line_moment", node.moment[0], 10.0),
+        equality("foot_line_moment", node.roll_moment, 10.0),
+        *_within_sole(form, node.force, node.moment, least, weight),
         at_least("vertical_force", vertical, least, weight),
         at_least("friction", cone, 0.0, weight),
         within("motor_torque", node.torque_shares, 1.0),
         within("motor_voltage", node.voltage_shares, form.config.voltage),
         Constraint("position", [leg[list(sagittal)] for leg in legs], lower, upper),
+        *_rolls(node),
     ]
+
+
+def _rolls(node: Node) -> list[Constraint]:
+    """Positions of both ankles' rolls [rad]."""
+    robot = node.form.robot
+    if robot.geometry.sole is None:
+        return []
+    limits = robot.joints["ankle_roll"]
+    return [Constraint("ankle_roll", node.ankle_rolls[0], limits.lower, limits.upper)]
+
+
+def _within_sole(
+    form: Formulation, force: ca.SX, moment: ca.SX, least: float, scale: float
+) -> list[Constraint]:
+    """Vertical ground forces on both sides of a sole."""
+    sole = form.robot.geometry.sole
+    if sole is None:
+        return []
+    sides = [force[2] / 2 + sign * moment[0] / sole.width for sign in (-1, 1)]
+    return [at_least("sole_width", sides, least, scale)]
 
 
 def _legs(node: Node) -> list[Constraint]:
@@ -190,26 +212,28 @@ def of_touchdown(
     Torques cannot be impulsive, and the line carries no impulsive moment about itself.
     """
     tree, limit = form.tree, form.config.touchdown
-    foot, lifting = tree.poses(*before)["swing_foot"], tree.poses(*after)["swing_foot"]
-    jump = impact(form, foot, before, after, turn)
-    force, moment = tree.line_wrench(after.roll, jump)
+    poses, ground = tree.poses(*before), f"{SWING}_{tree.ground}"
+    foot, landing, lifting = poses[f"{SWING}_foot"], poses[ground], tree.poses(*after)[ground]
+    jump, sole = impact(form, poses, before, after, turn)
+    force, moment = tree.ground_wrench(after.roll, jump, sole)
     vertical, cone = end_loads(form, force, moment)
-    place, velocity = tree.point(foot, tree.sole)
+    place, velocity = tree.point(landing, tree.sole)
     velocity, axes = rotate_back(velocity, turn), rotate_back(foot.rotation, turn)
     level = [axes[2, 0], axes[1, 0], ca.sin(after.roll) + axes[2, 1]]
-    down = [-tree.point(foot, end)[1][2] for end in form.foot_ends]
+    down = [-tree.point(landing, end)[1][2] for end in form.foot_ends]
     up = [tree.point(lifting, end)[1][2] for end in form.foot_ends]
     slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
     return [
-        equality("impact", [jump.torques, moment[0]], 1.0),
+        equality("impact", [jump.torques, tree.roll_impulse(jump, before, after)], 1.0),
         equality("foot_flat", [place[2], *level], _LENGTH),
         equality("continuity", after.q - mirrored(before.q, form.robot.geometry), 1.0),
         # The conditions of contact on impulses, which are of the order of 1 N s.
         at_least("impact_vertical_force", vertical, 0.0),
         at_least("impact_friction", cone, 0.0),
+        *_within_sole(form, force, moment, 0.0, 1.0),
         Constraint("touchdown_speed", down, limit.down_min, limit.down_max),
         at_least("lift_off", up, 0.0),
-        within("touchdown_velocity", [velocity[0], velocity[1], foot.angular], slow),
+        within("touchdown_velocity", [velocity[0], velocity[1], landing.angular], slow),
     ]
 
 
@@ -230,7 +254,7 @@ def of_walk(
     if form.turning:
         turns = [sign * velocity[2] * time for sign, time in zip((1, -1), times, strict=True)]
     for end, turn in zip(ends, turns, strict=True):  # along the course at touchdown
-        foot = form.tree.point(poses(*end)["swing_foot"], form.tree.sole)[0]
+        foot = form.tree.point(poses(*end)[f"{SWING}_{form.tree.ground}"], form.tree.sole)[0]
         steps.append(rotate_back(foot, turn / 2)[:2])
     travel = steps
     if form.turning:  # feet and base go along arcs of their own
@@ -258,13 +282,13 @@ def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
     without a virtual knee has its own range.
     """
     posture, geometry = form.config.posture, form.robot.geometry
-    bounds, bend = form.robot.joint_ranges[:, ACTUATED], geometry.bend
+    bounds, bend = form.robot.joint_ranges[:, GAIT_JOINTS], geometry.bend
     knee = np.array([posture.knee_min, posture.knee_max])
     if bend:
         knee = np.sort(np.sign(bend) * knee - bend)
     pitch, extension, ankle = geometry.sagittal
     if bend or form.robot.virtual_knee is not None:
-        bounds[:, extension::LEG_MOTORS] = knee[:, None]
+        bounds[:, extension::LEG_GAIT_JOINTS] = knee[:, None]
     for place in (pitch, ankle):
-        bounds[:, place::LEG_MOTORS] = [[-np.pi], [np.pi]]
+        bounds[:, place::LEG_GAIT_JOINTS] = [[-np.pi], [np.pi]]
     return bounds[0], bounds[1]

@@ -1,12 +1,14 @@
 """Impact of the swing foot, and loads and friction cone of a foot on the ground."""
 
+from collections.abc import Mapping
+
 import casadi as ca
 import numpy as np
 
 from slider.config.robot import Geometry
-from slider.gait.dynamics import InverseDynamics
+from slider.gait.dynamics import InverseDynamics, Motion
 from slider.gait.formulation import Formulation, StepEnd, rotate_back
-from slider.gait.tree import LEG_JOINTS, NUM_JOINTS, BodyPose
+from slider.gait.tree import LEG_JOINTS, SWING, BodyPose
 from slider.robot.names import mirror_sign
 
 
@@ -17,22 +19,31 @@ def mirrored(q: ca.SX, geometry: Geometry) -> ca.SX:
 
 
 def impact(
-    form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd, turn: ca.SX
-) -> InverseDynamics:
+    form: Formulation,
+    poses: Mapping[str, BodyPose],
+    before: StepEnd,
+    after: StepEnd,
+    turn: ca.SX,
+) -> tuple[InverseDynamics, Motion]:
     """Impulsive torques and impulses on the foot that lands, yawed by ``turn`` [rad].
 
-    A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``foot`` is its pose in
-    the old step's coordinates; those of ``after`` are reflected.
+    A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``poses`` are those
+    before it in the old step's coordinates; those of ``after`` are reflected. Also the jump of the
+    body on the ground.
     """
+    tree = form.tree
+    foot, landing = poses[f"{SWING}_foot"], poses[f"{SWING}_{tree.ground}"]
     reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
     reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
-    new = form.tree.foot_pose(after.roll, after.roll_rate)
+    new = tree.foot_pose(after.roll, after.roll_rate)
     angular = new.angular - reflect_axial @ foot.angular
     linear = new.rotation.T @ (new.linear - reflect @ rotate_back(foot.linear, turn))
-    jump, rest = (ca.SX.zeros(3), angular, linear), ca.SX.zeros(NUM_JOINTS)
-    return form.tree.newton_euler(
-        jump, after.q, rest, after.v - mirrored(before.v, form.robot.geometry)
-    )
+    q, v = tree.all_joints(after.roll, after.q, (after.roll_rate, after.v))
+    old = ca.vertcat(mirrored(before.v, form.robot.geometry), before.roll_rate)[: v.numel()]
+    still = ca.SX.zeros(3)
+    jump = tree.newton_euler((still, angular, linear), q, 0 * old, v - old)
+    stopped = rotate_back(landing.linear, turn)
+    return jump, (still, -reflect_axial @ landing.angular, -reflect @ stopped)
 
 
 def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:

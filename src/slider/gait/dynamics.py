@@ -6,8 +6,9 @@ change of coordinates, and the dynamics are the real leg's, rotors included), or
 knee's (``StanceTree``).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -42,12 +43,14 @@ class InverseDynamics:
         torques: of the virtual knee's joints (10,) [N m].
         efforts: of the prismatic legs' joints, the same work (10,) [N m, N].
         force, moment: on the stance foot at its origin [N], [N m].
+        swing_roll: effort of the swing ankle's roll, where there is one (1,) [N m].
     """
 
     torques: ca.SX
     efforts: ca.SX
     force: ca.SX
     moment: ca.SX
+    swing_roll: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
 
 
 class StanceTree:
@@ -55,9 +58,14 @@ class StanceTree:
 
     def __init__(self, robot: Mechanism) -> None:
         self.map = LegMap.of(robot)
+        self.roll_inertia = self.roll_damping = 0.0  # of the ankle's roll
         self.upper_link = "pitch"  # from which the line to the ankle is the leg
         self.bodies, self.edges = self._tree(robot)
-        self.sole = np.array([0.0, 0.0, -robot.geometry.ankle_height])  # in the foot's frame [m]
+        self.ground = "foot" if robot.geometry.sole is None else "sole"  # the body on the ground
+        self.axis = robot.geometry.ankle_roll  # about which the leg rolls, in the foot's frame [m]
+        down = np.array([0.0, 0.0, -robot.geometry.ankle_height])
+        self.sole = down if self.ground == "foot" else down - self.axis  # in the ground body's
+        self._rise = ca.sparsify(ca.DM(self.axis - down))  # of the roll axis
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
         axes, knee = robot.geometry.axes, robot.sliding_leg
@@ -65,15 +73,19 @@ class StanceTree:
         return _both_legs(knee_bodies(robot)), edges_of(*legs)
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
-        """The stance foot; the middle of its line is the world's origin."""
+        """The stance foot, or talus; the middle of line or sole is the world's origin."""
         r = rotation(0, roll)
         angular = ca.vertcat(roll_rate, 0, 0)
-        up = -ca.DM(self.sole)
-        return BodyPose(r, r @ up, angular, r @ ca.cross(angular, up))
+        up = -ca.DM(self.axis)
+        return BodyPose(r, self._rise + r @ up, angular, r @ ca.cross(angular, up))
 
     def poses(self, roll: ca.SX, roll_rate: ca.SX, q: ca.SX, v: ca.SX) -> dict[str, BodyPose]:
         """Poses and velocities of all bodies."""
+        q, v = self.all_joints(roll, q, (roll_rate, v))
         poses = {"stance_foot": self.foot_pose(roll, roll_rate)}
+        if self.ground == "sole":
+            still = ca.SX.zeros(3)
+            poses["stance_sole"] = BodyPose(ca.SX.eye(3), self._rise + still, still, still)
         for edge in self.edges:
             poses[edge.child] = next_pose(poses[edge.parent], edge, q, v)
         return poses
@@ -89,12 +101,37 @@ class StanceTree:
         self, roll: ca.SX, roll_rate: ca.SX, roll_acceleration: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
     ) -> InverseDynamics:
         """Torques and foot wrench of a motion under gravity."""
-        up = -ca.DM(self.sole)
+        up = -ca.DM(self.axis)
         angular = ca.vertcat(roll_rate, 0, 0)
         turning = ca.vertcat(roll_acceleration, 0, 0)
         linear = ca.cross(turning, up) + ca.cross(angular, ca.cross(angular, up))
         linear += rotation(0, roll).T @ ca.DM([0, 0, names.GRAVITY])
-        return self.newton_euler((angular, turning, linear), q, v, a)
+        joints = self.all_joints(roll, q, (roll_rate, v), (roll_acceleration, a))
+        return self.newton_euler((angular, turning, linear), *joints)
+
+    def all_joints(self, roll: ca.SX, q: ca.SX, *rates: tuple[ca.SX, ca.SX]) -> tuple[ca.SX, ...]:
+        """Positions, velocities and accelerations with the swing ankle's roll, where it has one.
+
+        It keeps the sole level. ``rates`` are those of roll and joints (10,).
+        """
+        if self.ground == "foot":
+            return q, *(joints for _, joints in rates)
+        states = [ca.vertcat(*pair) for pair in ((roll, q), *rates)]
+        level = self._levels(*states, *[ca.SX.zeros(1 + NUM_JOINTS)] * (2 - len(rates)))
+        joints = [state[1:] for state in states]
+        return tuple(ca.vertcat(*pair) for pair in zip(joints, level, strict=False))
+
+    @cached_property
+    def _levels(self) -> ca.Function:
+        """Angle of the swing ankle's roll, and its derivatives, of those of roll and joints."""
+        x, rate, turn = (ca.SX.sym(name, 1 + NUM_JOINTS) for name in ("x", "rate", "turn"))
+        pose, zero = self.foot_pose(x[0], ca.SX(0)), ca.SX.zeros(NUM_JOINTS)
+        for edge in self.edges[:-1]:
+            pose = next_pose(pose, edge, x[1:], zero)
+        angle = -ca.atan2(pose.rotation[2, 1], pose.rotation[2, 2])
+        first = ca.jtimes(angle, x, rate)
+        second = ca.jtimes(angle, x, turn) + ca.jtimes(first, x, rate)
+        return ca.Function("levels", [x, rate, turn], [angle, first, second])
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """Recursive Newton-Euler pass from the stance foot's motion in its own frame.
@@ -104,11 +141,40 @@ class StanceTree:
         torques, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
-    def line_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
-        """Ground force and moment at the middle of the foot line, world axes."""
+    def roll_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
+        """Force on the leg and moment about its roll axis's place, world axes."""
         r = rotation(0, roll)
-        moment = dynamics.moment - ca.cross(ca.DM(self.sole), dynamics.force)
+        moment = dynamics.moment - ca.cross(ca.DM(self.axis), dynamics.force)
         return r @ dynamics.force, r @ moment
+
+    def roll_impulse(
+        self, jump: InverseDynamics, before: Sequence[ca.SX], after: Sequence[ca.SX]
+    ) -> ca.SX:
+        """Impulse about the roll axis of the leg that lands, with its ankle's rotor.
+
+        ``before`` and ``after``: roll, its rate, joints and rates; ``after`` is reflected.
+        """
+        moment = self.roll_wrench(after[0], jump)[1][0]
+        if self.ground == "foot":
+            return moment
+        roll, rate, q, v = before
+        landing = self.all_joints(roll, q, (rate, v))[1][NUM_JOINTS]
+        return moment + self.roll_inertia * (after[1] - landing)
+
+    def ground_wrench(
+        self, roll: ca.SX, dynamics: InverseDynamics, sole: Motion | None = None
+    ) -> tuple[ca.SX, ca.SX]:
+        """Ground force and moment at the middle of line or sole, world axes.
+
+        ``sole`` is the motion that the ground gives a sole, against gravity if it is left out.
+        """
+        force, moment = self.roll_wrench(roll, dynamics)
+        if self.ground == "sole":
+            still = ca.SX.zeros(3)
+            motion = sole or (still, still, ca.SX([0, 0, names.GRAVITY]))
+            own_force, own_moment = _inertial_wrench(self.bodies[f"{STANCE}_sole"], *motion)
+            force, moment = force + own_force, moment + own_moment
+        return force, moment + ca.cross(self._rise, force)
 
 
 class OwnTree(StanceTree):
@@ -118,19 +184,29 @@ class OwnTree(StanceTree):
         super().__init__(robot)
         if robot.geometry.knee is None:
             self.upper_link = "tube"
-        damping = [robot.joints[name].damping for name in robot.geometry.leg_joints[:LEG_JOINTS]]
-        self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
-        self._damping = ca.DM(np.tile(damping, 2))
+        *damping, last = [robot.joints[name].damping for name in robot.geometry.leg_joints]
+        inertia = leg_inertia(robot)
+        legs = ca.DM(np.kron(np.eye(2), inertia[:LEG_JOINTS, :LEG_JOINTS]))
+        self._inertia, self._damping = legs, ca.DM(np.tile(damping, 2))
+        if self.ground == "sole":
+            self.roll_inertia, self.roll_damping = inertia[-1, -1], last
+            self._inertia = ca.diagcat(legs, self.roll_inertia)
+            self._damping = ca.vertcat(self._damping, last)
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
         legs = (robot.geometry.leg(lateral) for lateral in (1.0, -1.0))
-        return _both_legs(own_bodies(robot)), edges_of(*legs)
+        edges = edges_of(*legs)
+        if robot.geometry.sole is not None:
+            axis, place = np.eye(3)[0], robot.geometry.ankle_roll
+            edges.append(Edge(f"{SWING}_foot", f"{SWING}_sole", NUM_JOINTS, axis, place, 0 * place))
+        return _both_legs(own_bodies(robot)), edges
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
         efforts, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         efforts += self._inertia @ a + self._damping * v
-        return InverseDynamics(efforts, efforts, force, moment)
+        driven = efforts[:NUM_JOINTS]
+        return InverseDynamics(driven, driven, force, moment, efforts[NUM_JOINTS:])
 
 
 class PrismaticTree(StanceTree):
@@ -166,7 +242,7 @@ def _pass(
     for edge in edges:
         frames[edge.child], motion[edge.child] = _next_motion(motion[edge.parent], edge, q, v, a)
     wrench = {n: _inertial_wrench(bodies[n], *motion[n]) for n in motion}
-    efforts: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
+    efforts: list[ca.SX] = [ca.SX(0)] * len(edges)
     for edge in reversed(edges):
         force, moment = wrench[edge.child]
         moment = moment - ca.cross(ca.DM(edge.at_child), force)

@@ -18,8 +18,10 @@ from slider.config.robot import Mechanism, leg_scale
 from slider.gait.dynamics import OwnTree, PrismaticTree, StanceTree
 from slider.gait.tree import NUM_JOINTS, STANCE, SWING, rotation
 from slider.robot.bodies import knee_bodies, own_bodies, total_mass
-from slider.robot.names import ACTUATED, GRAVITY
+from slider.robot.names import GAIT_JOINTS, GRAVITY, LAST_JOINTS
 from slider.robot.transmission import Transmission
+
+_ORDER = [*GAIT_JOINTS, *LAST_JOINTS]
 
 
 @dataclass(frozen=True)
@@ -114,12 +116,14 @@ class Node:
         dynamics: joint torques and efforts.
         force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
         poses: of all bodies; ``base`` is the torso's.
-        motor_torques, motor_speeds: both legs', stance first, from the hip down (10,)
+        motor_torques, motor_speeds: both legs', stance first, from the hip down (m,)
             [N m], [rad/s]. The slide's force is work over |dl/dθ|, which vanishes for a straight
             leg: the knee's lower bound keeps away from it.
-        torque_shares: motor torques / limits (10,) [-].
-        voltage_shares: torque / stall torque + speed / no-load speed (10,): shares of the bus
+        torque_shares: motor torques / limits (m,) [-].
+        voltage_shares: torque / stall torque + speed / no-load speed (m,): shares of the bus
             voltage [-].
+        ankle_rolls: positions, velocities and efforts (2,) of both ankles' rolls, the stance leg
+            first; zero where a foot is a line.
         yaw_rate, course: of the walk [rad/s]; its angle from the stance foot's line [rad].
     """
 
@@ -130,12 +134,15 @@ class Node:
         self.dynamics = tree.inverse_dynamics(
             s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a
         )
-        self.force, self.moment = tree.line_wrench(s.roll, self.dynamics)
+        self.roll_moment = tree.roll_wrench(s.roll, self.dynamics)[1][0]
+        self.force, self.moment = tree.ground_wrench(s.roll, self.dynamics)
         self.poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
         self.base = self.poses["base"]
-        driven = list(ACTUATED)
-        self.motor_torques = ca.DM(motors.inverse[:, driven]) @ self.dynamics.efforts
-        self.motor_speeds = ca.DM(motors.matrix[:, driven]) @ tree.map.velocities(s.q, s.v)
+        self.ankle_rolls = self._ankle_rolls()
+        speeds, torques = motors.matrix[:, _ORDER], motors.inverse[:, _ORDER]
+        _, rates, efforts = self.ankle_rolls
+        self.motor_torques = ca.DM(torques) @ ca.vertcat(self.dynamics.efforts, efforts)
+        self.motor_speeds = ca.DM(speeds) @ ca.vertcat(tree.map.velocities(s.q, s.v), rates)
         self.torque_shares = self.motor_torques / ca.DM(motors.torque)
         stall, free = ca.DM(motors.stall), ca.DM(motors.speed)
         self.voltage_shares = self.motor_torques / stall + self.motor_speeds / free
@@ -148,7 +155,7 @@ class Node:
 
     def foot_ends(self, leg: str) -> list[ca.SX]:
         """Toe and heel of ``STANCE`` or ``SWING`` (3,) [m]."""
-        foot = self.poses[f"{leg}_foot"]
+        foot = self.poses[f"{leg}_{self.form.tree.ground}"]
         return [self.form.tree.point(foot, end)[0] for end in self.form.foot_ends]
 
     def leg_distances(self) -> list[ca.SX]:
@@ -167,18 +174,30 @@ class Node:
         lateral = self.base.rotation[:, 1]
         return [ca.dot(lateral, left - right) for left, right in pairs]
 
+    def _ankle_rolls(self) -> list[ca.SX]:
+        s, tree = self.symbols, self.form.tree
+        if tree.ground == "foot":
+            return [ca.SX(2, 1)] * 3
+        rates = (s.roll_rate, s.v), (s.roll_acceleration, s.a)
+        swing = [values[NUM_JOINTS] for values in tree.all_joints(s.roll, s.q, *rates)[:2]]
+        effort = tree.roll_inertia * s.roll_acceleration + tree.roll_damping * s.roll_rate
+        stance = -s.roll, -s.roll_rate, -self.roll_moment - effort
+        return [*map(ca.vertcat, stance, (*swing, self.dynamics.swing_roll))]
+
     def stored(self) -> list[ca.SX]:
         """Expressions that a gait stores of a node.
 
         Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
         (10 each), base rotation (9, columns first), origin, velocity (world) and angular velocity
-        (base), ground force and moment, swing foot.
+        (base), ground force and moment, swing foot, ``ankle_rolls``.
         """
         s, base, dynamics = self.symbols, self.base, self.dynamics
-        swing = self.form.tree.point(self.poses["swing_foot"], self.form.tree.sole)[0]
+        tree = self.form.tree
+        swing = tree.point(self.poses[f"{SWING}_{tree.ground}"], tree.sole)[0]
         motion = [ca.vec(base.rotation), base.origin, base.linear, base.angular]
         joints = [s.q, s.v, dynamics.torques, dynamics.efforts]
-        return [*joints, *motion, self.force, self.moment, swing]
+        rolls = ca.densify(ca.vertcat(*self.ankle_rolls))
+        return [*joints, *motion, self.force, self.moment, swing, rolls]
 
 
 def rotate_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:

@@ -8,16 +8,16 @@ coordinate without an actuator and yaw is constant during a step.
 import numpy as np
 
 from slider.config.robot import HIP_JOINTS, Geometry
-from slider.robot.names import ACTUATED, ANKLE, EXTENSION, mirror_sign
-from slider.robot.names import LEG_MOTORS as LEG
-from slider.robot.names import NUM_MOTORS as NUM_JOINTS
+from slider.robot.names import ANKLE, EXTENSION, GAIT_JOINTS, mirror_sign
+from slider.robot.names import LEG_GAIT_JOINTS as LEG
+from slider.robot.names import NUM_GAIT_JOINTS as NUM_JOINTS
 
 ROLL, YAW, JOINTS = 0, 1, 2  # places in the coordinates; joints follow
 NUM_COORDINATES = JOINTS + NUM_JOINTS
 STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
 
 _HIP, _PITCH = len(HIP_JOINTS), HIP_JOINTS.index("hip_pitch")
-_DRIVEN = np.array(ACTUATED)
+_DRIVEN = np.array(GAIT_JOINTS)
 _SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 

@@ -17,7 +17,7 @@ from slider.config.robot import Mechanism
 from slider.gait.dynamics import OwnTree
 from slider.gait.outputs import YAW, output_matrix
 from slider.gait.tree import NUM_JOINTS, BodyPose
-from slider.robot.names import ACTUATED
+from slider.robot.names import GAIT_JOINTS
 from slider.robot.transmission import Transmission
 
 NUM = 1 + NUM_JOINTS  # coordinates
@@ -31,7 +31,7 @@ class RootedRobot:
         self.tree = OwnTree(robot)
         self.q, self.v, self._a = q, v, a = [ca.SX.sym(name, NUM) for name in "qva"]
         motion = self.tree.inverse_dynamics(q[0], v[0], a[0], q[1:], v[1:], a[1:])
-        line_moment = self.tree.line_wrench(q[0], motion)[1][0]
+        line_moment = self.tree.roll_wrench(q[0], motion)[1][0]
         self._forces = ca.vertcat(line_moment, motion.efforts)  # generalised (11,)
 
     def equation(self, row: int) -> tuple[ca.SX, ca.SX]:
@@ -73,7 +73,9 @@ def decoupling(robot: Mechanism, q: np.ndarray) -> np.ndarray:
     mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
     rows = np.delete(output_matrix(robot.geometry), YAW, axis=1)
     inputs = np.zeros((NUM, NUM_JOINTS))
-    inputs[1:] = motors.matrix[:, ACTUATED].T * motors.torque
+    matrix = motors.matrix[:, GAIT_JOINTS]
+    ours = matrix.any(axis=1)  # not those of the ankles' rolls
+    inputs[1:] = matrix[ours].T * motors.torque[ours]
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)
     with np.errstate(divide="ignore"):
         return np.stack([values[:, -1], values[:, 0] / values[:, -1]], axis=1)

@@ -31,6 +31,7 @@ class KneeTrajectory:
         base_angular: (S, 3) [rad/s], base frame.
         wrench: (S, 6) ground force [N] and moment [N m] at the foot line.
         swing_foot: (S, 3) middle of the swing foot's line [m].
+        ankle_rolls: (S, 3, 2) positions, velocities, efforts of both ankles' rolls; else zero.
     """
 
     q: np.ndarray
@@ -43,13 +44,15 @@ class KneeTrajectory:
     base_angular: np.ndarray
     wrench: np.ndarray
     swing_foot: np.ndarray
+    ankle_rolls: np.ndarray
 
 
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
     nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
     values = [np.array(v).T for v in problem.functions["quantities"].map(len(nodes))(nodes.T)]
-    q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
+    q, v, torques, efforts, rotation, position, velocity, angular, force, moment, *last = values
+    swing, rolls = last[0], last[1].reshape(-1, 3, 2)
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.layout.nodes, None)
     for joints in (q, v, torques, efforts):
@@ -59,9 +62,10 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
         polar[second] *= _POLAR
     for axial in (angular, moment):
         axial[second] *= _AXIAL
+    rolls[second] = -rolls[second, :, ::-1]
     wrench = np.concatenate([force, moment], axis=1)
     return KneeTrajectory(
-        q, v, torques, efforts, rotation, position, velocity, angular, wrench, swing
+        q, v, torques, efforts, rotation, position, velocity, angular, wrench, swing, rolls
     )
 
 

@@ -21,8 +21,8 @@ from slider.gait.solution import base_motion, coefficients, dense_violations, kn
 from slider.gait.solve import GaitSolver, PrimalDual, Solve
 from slider.gait.transcription import ROLL_STATES
 from slider.robot.kinematics import turn_to_heading, yaw_of
-from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
-from slider.robot.names import ACTUATED, NUM_JOINTS, VELOCITY, velocity_text
+from slider.robot.knee_map import all_joints, prismatic_joints, reflected
+from slider.robot.names import GAIT_JOINTS, LAST_JOINTS, NUM_JOINTS, VELOCITY, velocity_text
 from slider.robot.transmission import Transmission
 
 MIN_PENDING_JOBS = 50
@@ -114,13 +114,16 @@ def gait_arrays(
     walk = knee_trajectory(problem, variables)
     robot, half = problem.form.robot, layout.nodes
     position, velocity = prismatic_joints(walk.q, walk.v, robot, kinematic_map)
+    efforts = all_joints(walk.efforts)
+    for index, values in enumerate((position, velocity, efforts)):
+        values[:, LAST_JOINTS] = walk.ankle_rolls[:, index]
     speeds = turn_to_heading(walk.base_velocity, yaw_of(walk.base_rotation))
     times = np.array([variables[layout.time_index(step)] for step in range(2)])
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]
     stance = np.zeros((2 * half, 2))
     stance[:half, 0] = stance[half:, 1] = 1.0
     roll = layout.node_vectors(variables)[..., :ROLL_STATES].copy()
-    rooted = position[:, ACTUATED]  # stance leg first, reflected in right stance
+    rooted = position[:, GAIT_JOINTS]  # stance leg first, reflected in right stance
     rooted[half:] = reflected(rooted[half:], robot.geometry)
     rooted = np.concatenate([roll[..., 0].reshape(-1, 1), rooted], axis=1)
     return {
@@ -133,7 +136,7 @@ def gait_arrays(
         "knee_positions": walk.q,
         "knee_velocities": walk.v,
         "knee_torques": walk.torques,
-        "efforts": with_upper_feet(walk.efforts),
+        "efforts": efforts,
         "ground_wrench": walk.wrench,
         "swing_foot": walk.swing_foot,
         "roll": roll,

@@ -17,9 +17,9 @@ import numpy as np
 
 from slider.config.robot import LINKS, HipAxes, LegJoint, Mechanism, VirtualKnee
 from slider.robot.knee_map import sides
-from slider.robot.names import LEG_MOTORS, NUM_MOTORS
+from slider.robot.names import LEG_GAIT_JOINTS, NUM_GAIT_JOINTS
 
-LEG_JOINTS, NUM_JOINTS = LEG_MOTORS, NUM_MOTORS
+LEG_JOINTS, NUM_JOINTS = LEG_GAIT_JOINTS, NUM_GAIT_JOINTS
 _PITCH, _KNEE, _ANKLE = 2, 3, 4
 STANCE, SWING = "stance", "swing"
 

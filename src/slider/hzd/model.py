@@ -167,7 +167,7 @@ class RootedModel:
         s = self.symbols
         poses = s.poses(s.q)
         hip = poses["base"]
-        sole = ca.horzcat(*s.tree.point(poses["swing_foot"], s.tree.sole))
+        sole = ca.horzcat(*s.tree.point(poses[f"swing_{s.tree.ground}"], s.tree.sole))
         rows = [ca.vertcat(hip.origin[0], hip.linear[0]), *s.center_of_mass, sole[2, :].T]
         return self._batch([s.q, s.v], rows)
 
@@ -186,10 +186,12 @@ class RootedModel:
         new = s.tree.foot_pose(roll, rate[0])
         turning = new.angular - _AXIAL * foot.angular
         linear = new.rotation.T @ new.linear - _POLAR * (foot.rotation.T @ foot.linear)
-        foot_jump, rest = (ca.SX.zeros(3), turning, linear), ca.SX.zeros(NUM_JOINTS)
-        change = rate[1:] - mirrored(s.v[1:], self.geometry)
-        jump = s.tree.newton_euler(foot_jump, place[1:], rest, change)
-        impulse = ca.vertcat(s.tree.line_wrench(roll, jump)[1][0], jump.efforts)
+        joints, after = s.tree.all_joints(roll, place[1:], (rate[0], rate[1:]))
+        before = ca.vertcat(mirrored(s.v[1:], self.geometry), s.v[0])[: after.numel()]
+        foot_jump = ca.SX.zeros(3), turning, linear
+        jump = s.tree.newton_euler(foot_jump, joints, 0 * before, after - before)
+        start, end = (s.q[0], s.v[0], s.q[1:], s.v[1:]), (roll, rate[0], place[1:], rate[1:])
+        impulse = ca.vertcat(s.tree.roll_impulse(jump, start, end), jump.efforts)
         mass = ca.jacobian(impulse, rate)
         carried = -ca.substitute(impulse, rate, ca.SX.zeros(NUM))
         return self._batch([s.q, s.v], [place, mass, carried, ca.vertcat(pitch, yaw)])
@@ -197,7 +199,7 @@ class RootedModel:
     @cached_property
     def _swing(self) -> Batch:
         s = self.symbols
-        foot = s.poses(s.q)["swing_foot"]
+        foot = s.poses(s.q)[f"swing_{s.tree.ground}"]
         along = foot.rotation[:, 0]
         held = ca.vertcat(s.tree.point(foot, s.tree.sole)[0], along[2], along[1])
         return self._batch([s.q], [ca.jacobian(held, s.q)[:, 1 + LEG :]])

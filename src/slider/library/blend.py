@@ -1,7 +1,8 @@
 """A gait at any velocity: blended Bézier coefficients (virtual constraints) of the gaits around it.
 
 Joints come from the blended polynomials, so that velocities are the derivatives of positions. The
-roll about the foot line and the motion of the base are blended node by node. Between the gaits a
+roll about the foot line, those of ankles with a sole and the motion of the base are blended node by
+node. Between the gaits a
 blend satisfies their constraints only approximately, and it is no periodic solution.
 """
 
@@ -14,7 +15,7 @@ from slider.gait import bezier
 from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
-from slider.robot.names import NUM_JOINTS, velocity_text
+from slider.robot.names import LAST_JOINTS, NUM_JOINTS, velocity_text
 
 _BLENDED = ("step_time", "coefficients", "roll")
 _OUTSIDE = 1e-6  # [m/s]
@@ -31,6 +32,7 @@ class Gait:
         coefficients: (2, 10, degree + 1) Bézier coefficients [rad], as in the library.
         roll: (2, nodes, 3) roll of the stance foot about its line, its rate and acceleration.
         base: (2 · nodes, 13) motion of the base, as in the library.
+        last: (2 · nodes, 2, 2) positions and velocities of the last joints of both legs.
         forward, leftward: (2 · nodes,) speed of the base in its heading frame [m/s].
     """
 
@@ -40,6 +42,7 @@ class Gait:
     coefficients: np.ndarray
     roll: np.ndarray
     base: np.ndarray
+    last: np.ndarray
     forward: np.ndarray
     leftward: np.ndarray
     library: GaitLibrary
@@ -60,7 +63,13 @@ class Gait:
     def joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities (N, 12) of the prismatic joints (eq. 1) at phases (N,)."""
         q, v = self.knee_joints(step, phase)
-        return knee_map.prismatic_joints(q, v, self.library.robot, self.library.kinematic_map)
+        joints = knee_map.prismatic_joints(q, v, self.library.robot, self.library.kinematic_map)
+        last = np.split(self.last, 2)[step]
+        nodes = np.linspace(0.0, 1.0, len(last))
+        for order, values in enumerate(joints):
+            for leg, joint in enumerate(LAST_JOINTS):
+                values[:, joint] = np.interp(phase, nodes, last[:, order, leg])
+        return joints
 
     def samples(self) -> np.ndarray:
         """The 26 channels (2 · nodes, 26) at the library's samples."""
@@ -87,11 +96,13 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     weights = mesh.weights(velocity[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
-    speeds = np.tensordot(weights, arrays["samples"][..., 2 * NUM_JOINTS :], axes=1)
+    samples = np.tensordot(weights, arrays["samples"], axes=1)
+    joints, speeds = np.split(samples, [2 * NUM_JOINTS], axis=1)
     return Gait(
         velocity=mesh.inside(velocity),
         weights=weights,
         base=base,
+        last=joints.reshape(-1, 2, NUM_JOINTS)[..., LAST_JOINTS],
         forward=speeds[:, 0],
         leftward=speeds[:, 1],
         library=library,

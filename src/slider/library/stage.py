@@ -60,8 +60,9 @@ def _write(
 
     Zarr's settings are its defaults, whatever variables (``ZARR_…``) and files say.
     """
-    constraints, passive = tuple(reports[0]["residuals"]), names.PASSIVE
+    constraints = tuple(reports[0]["residuals"])
     geometry = from_dict(Mechanism, attributes["robot"], "robot").geometry
+    passive = sorted({*range(names.NUM_JOINTS)} - {*names.driven_joints(geometry)})
     columns = {name: _column(reports, name) for name in (*_SCALARS, *reader.COORDINATES)}
     columns["velocities"] = np.array([_velocity(report) for report in reports])
     residuals = [[report["residuals"][name] for name in constraints] for report in reports]

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from slider.config.convert import to_dict
 from tests.config.composed import composed
 
 ROOT = Path(__file__).parents[1]
@@ -32,8 +31,8 @@ PRINTED = {
 
 
 def test_the_mass_is_that_of_the_links():
-    links = to_dict(composed().robot)["links"]
-    mass = sum(link["mass"] * (1 if name == "base" else 2) for name, link in links.items())
+    links = vars(composed().robot.links)
+    mass = sum(link.mass * (1 if name == "base" else 2) for name, link in links.items() if link)
     assert f"The total mass is {mass:.2f} kg." in ROBOT_PAGE
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from slider.core.errors import UserError
 from slider.env.interface import FLOAT64, AgentInterface
-from slider.robot.names import ACTUATED, NUM_JOINTS
+from slider.robot.names import GAIT_JOINTS, NUM_JOINTS
 from tests.env.synthetic import (
     JOINTS,
     PERMUTATION,
@@ -54,7 +54,7 @@ def test_actions_and_targets_are_clipped():
     agent, action = make_agent(3, "env.action.offset=nominal"), np.full((3, NUM_JOINTS), 1e6)
     agent.reset(np.arange(3), make_state(3), phase=0.1)
     targets = agent.act(action).numpy()
-    np.testing.assert_array_equal(agent.action[:, ACTUATED], CLIP)
+    np.testing.assert_array_equal(agent.action[:, GAIT_JOINTS], CLIP)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
     np.testing.assert_array_equal(
         targets[:, UPPER_FEET], np.tile(agent.nominal[UPPER_FEET], (3, 1))

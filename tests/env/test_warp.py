@@ -52,7 +52,7 @@ def made() -> WarpPhysics:
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
     nominal = RandomizedRobots(made.model, disturbance(), N, made.set_fields, made.qpos)
-    nominal.draw(EVERYONE, torch.full((N, COLUMNS), 0.5))
+    nominal.draw(EVERYONE, torch.full((N, COLUMNS + made.model.nu), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)
 

@@ -24,12 +24,13 @@ from slider.robot.kinematics import (
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from tests.config.composed import composed
 from tests.robot.lopsided import kneed, lopsided, turned
+from tests.robot.soled import soled
 
 ROBOT = composed().robot
 ROBOTS = pytest.mark.parametrize(
     "robot",
-    [ROBOT, lopsided(), kneed(), turned(False), turned(True)],
-    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed"],
+    [ROBOT, lopsided(), kneed(), turned(False), turned(True), soled()],
+    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed", "with soles"],
 )
 
 
@@ -81,6 +82,10 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
             line = data.geom(names.foot(side))
             axis = line.xmat.reshape(3, 3)[:, 2] * line_length(geometry) / 2
             low = line.xpos - [0, 0, geometry.foot_radius]
+            if geometry.sole is not None:  # a box, and the middle of its ends below
+                along, _, up = line.xmat.reshape(3, 3).T
+                half, _, radius = data.model.geom(names.foot(side)).size
+                axis, low = along * half, line.xpos - radius * up
             expected = {tuple(np.round(low + s * axis, 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
             if geometry.knee is not None:
@@ -138,7 +143,7 @@ def test_a_leg_that_stretches_keeps_its_direction_and_the_foot_s(robot, extensio
 
     def moved(change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         there = 1.0 * joints[0]
-        there[first : first + names.LEG_MOTORS] += change
+        there[first : first + names.LEG_GAIT_JOINTS] += change
         return leg_of(robot, there, side)
 
     (before, line), way = moved(0.0), leg_extension_jacobian(robot.geometry, joints, leg)[0]
@@ -158,7 +163,7 @@ def test_a_leg_with_a_knee_is_at_most_almost_straight(robot):
     most = np.abs(leg_extension_jacobian(geometry, straight, 0)).max()
     assert most < 1.0 / (0.03 * geometry.leg_length)
     joints = np.zeros(12)
-    joints[: names.LEG_MOTORS] = extend_leg(geometry, np.zeros((1, 12)), 0, np.array([1.0]))[0]
+    joints[: names.LEG_GAIT_JOINTS] = extend_leg(geometry, np.zeros((1, 12)), 0, np.array([1.0]))[0]
     length = np.linalg.norm(leg_of(robot, joints, "left")[0])
     assert length == pytest.approx(0.995 * 0.8, abs=1e-3)
 

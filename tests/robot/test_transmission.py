@@ -9,7 +9,7 @@ import pytest
 from slider.config.robot import Drive
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
-from slider.robot.names import NUM_MOTORS, motor_names
+from slider.robot.names import NUM_GAIT_JOINTS, motor_names
 from slider.robot.transmission import Transmission
 from tests.config.composed import composed
 from tests.env.synthetic import JOINTS
@@ -22,7 +22,7 @@ RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors
 SLIDE, ANKLE = JOINTS.index("right_slide"), JOINTS.index("right_ankle")
 ONE, TWO = (motor_names(ROBOT.geometry).index(f"right_leg_{k}") for k in (1, 2))
-PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.ACTUATED]
+PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.GAIT_JOINTS]
 
 
 def joints(slide: float = 0.0, ankle: float = 0.0) -> np.ndarray:
@@ -32,7 +32,7 @@ def joints(slide: float = 0.0, ankle: float = 0.0) -> np.ndarray:
 
 
 def motors(one: float = 0.0, two: float = 0.0) -> np.ndarray:
-    values = np.zeros(NUM_MOTORS)
+    values = np.zeros(NUM_GAIT_JOINTS)
     values[ONE], values[TWO] = one, two
     return values
 

@@ -16,7 +16,7 @@ from slider.composition.robot_file import read_option
 from slider.config.parameters import parameters
 from slider.config.robot import Geometry, RobotConfig
 from slider.core.errors import require
-from slider.robot.knee_map import with_upper_feet
+from slider.robot.knee_map import all_joints
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.model_file import ModelFile
 from slider.robot.model_motors import GUESS
@@ -59,7 +59,8 @@ def _lines(
     if given is not None:
         yield from _origins(robot, model, given)
     yield f"\n{'link':<12}{'mass [kg]':>10}  {'centre [m]':>24}  {'principal moments [kg m²]':>30}"
-    for name, link in vars(robot.links).items():
+    links = {name: link for name, link in vars(robot.links).items() if link is not None}
+    for name, link in links.items():
         place = " ".join(f"{value:7.4f}" for value in link.com)
         moments = " ".join(f"{value:9.3g}" for value in np.linalg.eigvalsh(link.tensor))
         yield f"{name:<12}{link.mass:10.3f}  {place:>24}  {moments:>30}"
@@ -79,7 +80,7 @@ def _lines(
     head = f"\n{'motor':<12}{'limit':>12}{'on one leg':>12}{'share':>8}"
     yield f"{head}{'speed':>8}{'kp':>9}{'kd':>9}"
     motors = Transmission.of(robot)
-    needed = motors.torques(with_upper_feet(_standing_efforts(robot)[None]))[0]
+    needed = motors.torques(all_joints(_standing_efforts(robot)[None]))[0]
     shares = np.abs(needed) / motors.torque
     rows = zip(robot.leg_motors, motors.torque, needed, shares, strict=False)  # of the left leg
     for name, limit, torque, share in rows:

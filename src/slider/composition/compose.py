@@ -142,7 +142,8 @@ def _register_scale(name: str, scale: Callable[[Any], float]) -> None:
 
 def _mass(robot: Any) -> float:
     """Mass of the base and of two legs [kg]."""
-    return sum(link.mass * (1 if name == "base" else 2) for name, link in robot.links.items())
+    links = {name: link.mass for name, link in robot.links.items() if link is not None}
+    return sum(mass * (1 if name == "base" else 2) for name, mass in links.items())
 
 
 def _slide_or_knee(slide: float, knee: float, *, _root_: DictConfig) -> float:

@@ -24,8 +24,10 @@ LINKS = {
     "upper_foot": "upper_foot",
 }
 """Joint, and the link below it; a knee has the place of the slide."""
-HIP_JOINTS, BELOW_HIP = ("hip_yaw", "hip_roll", "hip_pitch"), tuple(LINKS)[3:]
-LATERAL = ("hip_yaw", "hip_roll")
+SOLE_LINKS = LINKS | {"ankle": "talus", "ankle_roll": "foot"}
+"""Likewise, where the foot has a sole."""
+HIP_JOINTS, BELOW_HIP = ("hip_yaw", "hip_roll", "hip_pitch"), tuple(SOLE_LINKS)[3:]
+LATERAL = ("hip_yaw", "hip_roll", "ankle_roll")
 """Joints that the reflection at the sagittal plane turns back."""
 LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
 
@@ -108,7 +110,10 @@ class Links(t.Group):
     pitch: _Rigid
     tube: _Rigid
     foot: _Rigid
-    upper_foot: _Rigid
+    upper_foot: _Rigid | None = None
+    """passive, above the leg; of a robot whose foot is a line"""
+    talus: _Rigid | None = None
+    """between the axes of an ankle whose foot has a sole"""
 
 
 _Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)
@@ -179,6 +184,15 @@ class LegJoint(NamedTuple):
     slides: bool
 
 
+class Sole(t.Group):
+    """A foot that a driven joint rolls about x, and that lies flat in stance."""
+
+    roll_height: t.Positive[t.Metres]
+    """axis of the roll above the ground; below the middle of the ankle's axis, as the foot is"""
+    width: t.Positive[t.Metres]
+    """between the contact points of a side"""
+
+
 class Geometry(t.Group):
     """Lengths."""
 
@@ -192,7 +206,7 @@ class Geometry(t.Group):
     heel: t.Positive[t.Metres]
     """ankle axis to the rear end of the foot line"""
     foot_radius: t.Positive[t.Metres]
-    """half of the foot's width"""
+    """half of a line foot's width, or of the spheres at the corners of a sole"""
     upper_foot_height: t.Positive[t.Metres]
     """upper foot axis above the hip pitch axis at slide = 0, or above the knee"""
     tube_radius: t.Positive[t.Metres]
@@ -207,6 +221,8 @@ class Geometry(t.Group):
     """unit vector along the left knee's axis, as that of the pitch"""
     ankle_direction: _Leftward = (0.0, 1.0, 0.0)
     """likewise, of the ankle"""
+    sole: Sole | None = None
+    """null: the foot is a line, which may roll on the ground"""
 
     def __post_init__(self) -> None:
         lateral, expected = self.hip[1], "a sum of y > 0 m: left hips are on the left"
@@ -223,7 +239,25 @@ class Geometry(t.Group):
     @property
     def leg_joints(self) -> tuple[str, ...]:
         """Joints of a leg from the hip down; a knee has the place of the slide."""
-        return self.axes.order + BELOW_HIP
+        last = "upper_foot" if self.sole is None else "ankle_roll"
+        return (*self.axes.order, "slide", "ankle", last)
+
+    @property
+    def links(self) -> dict[str, str]:
+        """The link below each of ``leg_joints``."""
+        links = LINKS if self.sole is None else SOLE_LINKS
+        return {name: links[name] for name in self.leg_joints}
+
+    @property
+    def ankle_roll(self) -> np.ndarray:
+        """Axis along x about which the leg rolls in stance, from the ankle (3,) [m]."""
+        height = 0.0 if self.sole is None else self.sole.roll_height
+        return np.array([0.0, 0.0, height - self.ankle_height])
+
+    @property
+    def sole_height(self) -> float:
+        """Joint of the body on the ground above it [m]: of the ankle, or of its roll."""
+        return self.ankle_height + (0.0 if self.sole is None else self.ankle_roll[2])
 
     @property
     def sagittal(self) -> tuple[int, int, int]:
@@ -356,6 +390,13 @@ class Mechanism(t.Group):
         for name in ("capstan", "virtual_knee"):
             possible = geometry.knee is None or getattr(self, name) is None
             t.require(possible, name, "null where the leg has a knee", "one")
+        for name in ("upper_foot", "talus"):
+            wanted = name in geometry.links.values()
+            expected = f"{'a link' if wanted else 'none'} with geometry.sole {geometry.sole}"
+            found = getattr(self.links, name)
+            t.require(wanted == (found is not None), f"links.{name}", expected, found)
+        expected = "null where the foot has a sole"
+        t.require(virtual is None or geometry.sole is None, "virtual_knee", expected, "one")
         t.complete("joints", self.joints, geometry.leg_joints)
         t.complete("drives", self.drives, dict.fromkeys(self.leg_motors))
         if virtual is not None:
@@ -381,9 +422,10 @@ class Mechanism(t.Group):
 
     @property
     def leg_motors(self) -> tuple[str, ...]:
-        """Names in ``drives`` of the five motors of a leg, from the hip down."""
+        """Names in ``drives`` of the motors of a leg, from the hip down."""
         below = ("slide", "ankle") if self.capstan is None else ("capstan",) * 2
-        return self.geometry.axes.order + below
+        last = () if self.geometry.sole is None else ("ankle_roll",)
+        return self.geometry.axes.order + below + last
 
     @property
     def joint_ranges(self) -> np.ndarray:
@@ -406,8 +448,10 @@ class RobotConfig(Mechanism):
     def __post_init__(self) -> None:
         super().__post_init__()
         t.complete("gains", self.gains, dict.fromkeys(self.leg_motors))
-        values = flatten(asdict(self)).items()  # a part that is null may have its tag
-        paths = [path for path, value in values if isinstance(value, float | tuple | None)]
+        values = flatten(asdict(self)).items()  # what is null may have its tag, and its parts
+        paths = [f"{path}." for path, value in values if isinstance(value, float | tuple | None)]
+        null = tuple(f"{path}." for path, value in values if value is None)
         for group in self.provenance:
-            possible = any(f"{path}.".startswith(f"{group}.") for path in paths)
+            part = f"{group}."
+            possible = part.startswith(null) or any(path.startswith(part) for path in paths)
             t.require(possible, "provenance", "keys below robot that hold numbers", group)

@@ -24,7 +24,7 @@ from slider.env.starts import NUMPY, SLIDES, rotate
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
-from slider.robot.names import NUM_JOINTS, NUM_MOTORS
+from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 
 # Uses of random numbers.
@@ -129,14 +129,15 @@ class DisturbanceModel:
         self._delay: DelayLine | None = None
         if config.delay != Interval(0.0, 0.0):
             self._delay = DelayLine(config.delay, self._timestep, count, model.nu, like)
+        self._columns = randomization.COLUMNS + model.nu
         self._to_motors = asarray(Transmission.of(robot).matrix.T, like)
         self.restart()
 
     @property
     def motor_gain(self) -> Array:
-        """Factors (N or 1, 1, 10) of the motors' torques [-]."""
+        """Factors (N or 1, 1, motors) of the motors' torques [-]."""
         if self._robots is None:
-            return zeros((1, 1, NUM_MOTORS), self._like) + 1.0
+            return zeros((1, 1, len(self._to_motors[0])), self._like) + 1.0
         return self._robots.motor_gain[:, None]
 
     def restart(self) -> None:
@@ -147,7 +148,7 @@ class DisturbanceModel:
 
     def begin(self, index: Array, qpos: Array) -> Array:
         """Draw robots ``index`` again; return their positions (n, 19) on the ground."""
-        uniform = self._draws.uniform(ROBOT, self._episodes, randomization.COLUMNS)
+        uniform = self._draws.uniform(ROBOT, self._episodes, self._columns)
         self._age[index], self._force[index] = 0.0, 0.0
         if self._robots is not None:
             self._robots.draw(index, uniform)

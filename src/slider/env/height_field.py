@@ -186,7 +186,7 @@ def adapt_to_terrain(
     for leg in range(len(names.SIDES)):
         steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
         first, longer = leg * names.LEG_SIZE, mean - heights[:, leg]
-        driven = slice(first, first + names.LEG_MOTORS)
+        driven = slice(first, first + names.LEG_GAIT_JOINTS)
         result[:, driven] = extend_leg(geometry, joints, leg, longer)
         turn = namespace(yaw).arctan(steep) / geometry.ankle_direction[1]
         result[:, first + names.ANKLE] -= turn

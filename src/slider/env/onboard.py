@@ -21,10 +21,10 @@ from slider.env.height_field import FLAT, ScannedGround
 from slider.env.starts import SLIDES, rotate
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
-from slider.robot.names import GRAVITY, NUM_JOINTS, NUM_MOTORS
+from slider.robot.names import GRAVITY, NUM_JOINTS, motor_names
 
 _READING = NUMBERS + 3  # standard normal numbers of a reading
-_BIASES = 9 + NUM_JOINTS + NUM_MOTORS
+_BIASES = 9 + NUM_JOINTS  # and one per motor
 
 
 class OnboardState:
@@ -46,6 +46,7 @@ class OnboardState:
         self._noise = SensingConfig(**shared)
         self._estimator = StateEstimator(config.estimator, robot, count, like)
         self._draws = SeededRandom(seeds, count, like)
+        self._motors = len(motor_names(robot.geometry))
         self._biased = asarray(~SLIDES | (robot.geometry.knee is not None), like)
         self.restart()
 
@@ -54,12 +55,12 @@ class OnboardState:
         self._steps, self._episodes = 0, 0
         self._elapsed, self._age, self._scan_bias = zeros((3, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
-        self._torques = zeros((self._count, NUM_MOTORS), self._like)
-        self._bias = zeros((self._count, _BIASES), self._like)
+        self._torques = zeros((self._count, self._motors), self._like)
+        self._bias = zeros((self._count, _BIASES + self._motors), self._like)
 
     def begin(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Start robots ``index`` at positions (n, 19) and velocities (n, 18) with new biases."""
-        self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIASES)[index]
+        self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIASES + self._motors)[index]
         self._scan_bias[index] = self._draws.normal(SCAN_BIAS, self._episodes, 1)[index, 0]
         self._episodes += 1
         self._velocity[index] = qvel[:, :3]
@@ -67,7 +68,7 @@ class OnboardState:
         self._estimator.reset(index, qpos[:, :2])
 
     def advance(self, period: float, steps: int, torques: Array) -> None:
-        """Let ``period`` [s], ``steps`` of the simulation, pass with mean torques (N, 10) [N m]."""
+        """Let ``period`` [s], ``steps`` of the simulation, pass with mean torques (N, m) [N m]."""
         self._torques = torques
         self._elapsed += period
         self._age += period

@@ -15,7 +15,7 @@ from slider.env.starts import NUMPY
 from slider.robot import names
 
 # Uniform numbers per robot: payload, one in reserve, delay, mass, friction, centre of mass, motors.
-DELAY, COLUMNS = 2, 8 + names.NUM_MOTORS
+DELAY, COLUMNS = 2, 8  # and one per motor
 VARIED_FIELDS = (
     *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
     *("actuator_gainprm", "actuator_forcerange"),
@@ -40,7 +40,7 @@ class RandomizedRobots:
     (n,) into theirs.
 
     Attributes:
-        motor_gain: (N, 10) by which demanded torques are scaled [-].
+        motor_gain: (N, motors) by which demanded torques are scaled [-].
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class RandomizedRobots:
     ) -> None:
         self._config, self._write = config, write
         self._nominal = {name: asarray(getattr(nominal, name), like) for name in VARIED_FIELDS}
-        self.motor_gain = zeros((count, names.NUM_MOTORS), like) + 1.0
+        self.motor_gain = zeros((count, nominal.nu), like) + 1.0
         feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
         sliding = np.isin(nominal.geom_bodyid, feet)[:, None] & np.array([True, False, False])
         parameters = np.arange(nominal.actuator_gainprm.shape[1])
@@ -68,7 +68,7 @@ class RandomizedRobots:
         )
 
     def draw(self, index: Array, uniform: Array) -> None:
-        """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
+        """Draw robots ``index`` (n,) again by numbers (N, COLUMNS + motors) in [0, 1)."""
         xp, config, nominal = namespace(uniform), self._config, self._nominal
         uniform = uniform[index]
         payload = _within(config.payload, uniform[:, 0, None])

@@ -30,7 +30,7 @@ from slider.env.observations import target_angular_velocity, target_linear_veloc
 from slider.env.phase import standing
 from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import ACTUATED, NUM_CHANNELS, NUM_JOINTS
+from slider.robot.names import GAIT_JOINTS, NUM_CHANNELS, NUM_JOINTS
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
@@ -42,7 +42,7 @@ _Radians2PerSecond2 = Annotated[float, Unit("rad²/s²"), Field(gt=0, le=1e4)]
 _Metres2PerSecond2 = Annotated[float, Unit("m²/s²"), Field(gt=0, le=1e4)]
 _PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
 _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
-_DRIVEN = np.array(ACTUATED)
+_DRIVEN = np.array(GAIT_JOINTS)
 
 
 @dataclass(frozen=True)

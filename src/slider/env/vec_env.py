@@ -25,7 +25,7 @@ from slider.env.starts import at_rest, sample_about
 from slider.env.state import RobotState
 from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
-from slider.robot.names import ACTUATED, NUM_JOINTS
+from slider.robot.names import GAIT_JOINTS, NUM_JOINTS
 
 _CROSSED = 1.0  # way of an episode after which its terrain counts as crossed [m]
 
@@ -164,7 +164,7 @@ class WalkingEnv(VecEnv):
         if self.physics.terrain is not None:
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
         self.reward = Reward(train.reward)
-        self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
+        self._outputs = like.new_full((self.num_envs, 2, len(GAIT_JOINTS)), math.inf)
         self.restart()
 
     @property

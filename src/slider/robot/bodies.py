@@ -21,6 +21,9 @@ def own_bodies(robot: Mechanism) -> dict[str, Body]:
     """``base``, and ``yaw``, ``roll``, ``pitch``, ``tube``, ``foot`` of one leg as it is built."""
     links = robot.links
     bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll", "pitch")}
+    if links.talus is not None:
+        bodies |= {"tube": _body(links.tube), "foot": _body(links.talus)}
+        return bodies | {"sole": _body(links.foot)}
     tube = joined(_body(links.tube), _upper_foot(robot))
     return bodies | {"tube": tube, "foot": _body(links.foot)}
 
@@ -58,6 +61,7 @@ def _body(link: Link) -> Body:
 def _upper_foot(robot: Mechanism) -> Body:
     """The upper foot in the frame of the slide."""
     link = robot.links.upper_foot
+    assert link is not None  # there is no sole
     com = np.array(link.com) + [0.0, 0.0, robot.geometry.upper_foot_height]
     return Body(link.mass, com, link.tensor)
 
@@ -72,13 +76,13 @@ def _thigh(robot: Mechanism) -> Body:
     """Pitch link, upper foot and the tube's rest, which lies where the leg's mass balances."""
     geometry, links, knee = robot.geometry, robot.links, robot.sliding_leg
     rest = 1 - knee.shank_mass_fraction
-    tube, upper = links.tube, links.upper_foot
+    tube, upper = links.tube, _upper_foot(robot)
     l1, l2 = knee.thigh_length, knee.shank_length
     # Flexion at which hip and ankle are the nominal leg length apart.
     flexion = float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
     tilt, _, _ = sides(flexion, l1, l2)
     shank_centre = (l1 * np.cos(tilt) + geometry.leg_length) / 2  # along the leg, as all of these
-    above = upper.mass * (upper.com[2] + geometry.upper_foot_height)
+    above = upper.mass * upper.com[2]
     above += links.pitch.mass * links.pitch.com[2]
     below = -tube.mass * tube.com[2] - (1 - rest) * tube.mass * shank_centre
     depth = (below - above * (1 - np.cos(tilt))) / (rest * tube.mass * np.cos(tilt))

@@ -7,7 +7,7 @@ import numpy as np
 
 from slider.config.robot import Geometry, axis_of
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.robot.names import ANKLE, EXTENSION, LEG_MOTORS, LEG_SIZE, UPPER_FOOT
+from slider.robot.names import ANKLE, EXTENSION, LAST, LEG_GAIT_JOINTS, LEG_SIZE
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
@@ -126,8 +126,11 @@ def foot_motion(
             excess[:, leg] = length[:, 0] - geometry.leg_length
             growing[:, leg] = (axes[:, leg] * apart).sum(-1)
         omega = omega + links.axes[1] * rate[:, ANKLE, None]
+        if geometry.sole is not None:
+            velocity = velocity + xp.linalg.cross(omega, links.above_ground - ankle)
+            omega = omega + links.foot[:, :, 0] * rate[:, LAST, None]
         positions[:, leg] = _ends(geometry, links)
-        arms = positions[:, leg] - ankle[:, None]
+        arms = positions[:, leg] - links.above_ground[:, None]
         velocities[:, leg] = velocity[:, None] + xp.linalg.cross(omega[:, None], arms)
     return FootMotion(positions, velocities, axes, turns, excess, growing)
 
@@ -142,13 +145,13 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     for leg in range(2):
         links = _leg(geometry, rotation, joints, leg)
         tube, ankle = links.tube, links.ankle
-        if geometry.knee is not None:
+        if geometry.knee is not None or geometry.sole is not None:
             hip, _ = links.hip["hip_pitch"]
             chain = hip, ankle, links.knee, links.knee, hip
             points[:, leg] = xp.stack(chain, axis=1)
             continue
         top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
-        upper = tube @ _about_y(joints[:, leg * LEG_SIZE + UPPER_FOOT])
+        upper = tube @ _about_y(joints[:, leg * LEG_SIZE + LAST])
         points[:, leg, :3] = xp.stack([links.hip["hip_pitch"][0], ankle, top], axis=1)
         for end, x in ((3, -geometry.heel), (4, geometry.toe)):
             points[:, leg, end] = top + upper @ asarray([x, 0.0, geometry.ankle_height], joints)
@@ -161,6 +164,7 @@ class _Leg(NamedTuple):
     Attributes:
         hip: place (N, 3) [m] and axis (N, 3) of each of its joints by name.
         knee, ankle: places (N, 3) [m]; the knee of a leg that slides is on its pitch axis at zero.
+        above_ground: joint of the body on the ground (N, 3) [m]: the ankle, or its roll.
         axes: of knee, or a vector that is none, and ankle (N, 3).
         tube, foot: rotations (N, 3, 3).
     """
@@ -168,6 +172,7 @@ class _Leg(NamedTuple):
     hip: dict[str, tuple[Array, Array]]
     knee: Array
     ankle: Array
+    above_ground: Array
     axes: tuple[Array, Array]
     tube: Array
     foot: Array
@@ -192,7 +197,11 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
         tube = tube @ _about(bends, q[:, EXTENSION])
         ankle = knee + tube @ asarray([-x, -lateral * y, -geometry.leg_length - z], joints)
     axes, foot = (unit, _turned(tube, turns)), tube @ _about(turns, q[:, ANKLE])
-    return _Leg(hip, knee, ankle, axes, tube, foot)
+    above_ground = ankle
+    if geometry.sole is not None:
+        above_ground = ankle + foot @ asarray(geometry.ankle_roll, ankle)
+        foot = foot @ about_x(q[:, LAST])
+    return _Leg(hip, knee, ankle, above_ground, axes, tube, foot)
 
 
 def _turned(rotation: Array, axis: np.ndarray) -> Array:
@@ -242,12 +251,12 @@ def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Ar
         start = _Tilted.of(geometry, joints, leg)
         length = (start.length[:, 0] + longer).clip(*bounds)[:, None]
         goal, moved = start.ankle + (length - start.length) * start.away, 1.0 * joints
-        change = moved[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_MOTORS]
+        change = moved[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_GAIT_JOINTS]
         for _ in range(_ITERATIONS):
             now = _Tilted.of(geometry, moved, leg)
             turn = xp.linalg.cross(now.line, start.line)
             change += now.towards(geometry, goal - now.ankle, turn)
-        return change - joints[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_MOTORS]
+        return change - joints[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_GAIT_JOINTS]
     before = _hip_to_ankle(geometry, extension)
     length = ((before[0] ** 2 + before[1] ** 2) ** 0.5 + longer).clip(*bounds)
     cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
@@ -261,7 +270,7 @@ def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Ar
 def _sagittal(geometry: Geometry, pitch: Array, extension: Array, ankle: Array) -> Array:
     """Values of a leg's driven joints (N, 5), of which roll and yaw have none."""
     values = dict(zip(geometry.sagittal, (pitch, extension, ankle), strict=True))
-    columns = [values.get(place, 0.0 * extension) for place in range(LEG_MOTORS)]
+    columns = [values.get(place, 0.0 * extension) for place in range(LEG_GAIT_JOINTS)]
     return namespace(extension).stack(columns, axis=-1)
 
 
@@ -341,12 +350,11 @@ def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
 
 def _ends(geometry: Geometry, leg: _Leg) -> Array:
     """Lowest points of heel and toe (N, 2, 3)."""
-    height, count = geometry.foot_radius - geometry.ankle_height, len(leg.ankle)
-    ends = zeros((count, 2, 3), leg.ankle)
-    down = asarray([0.0, 0.0, geometry.foot_radius], leg.ankle)
+    radius = geometry.foot_radius if geometry.sole is None else 0.0
+    ends, down = zeros((len(leg.ankle), 2, 3), leg.ankle), asarray([0.0, 0.0, radius], leg.ankle)
     for end, x in enumerate((-geometry.heel, geometry.toe)):
-        centre = leg.foot @ asarray([x, 0.0, height], leg.ankle)
-        ends[:, end] = leg.ankle + centre - down
+        centre = leg.foot @ asarray([x, 0.0, radius - geometry.sole_height], leg.ankle)
+        ends[:, end] = leg.above_ground + centre - down
     return ends
 
 

@@ -12,9 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slider.config.robot import Geometry, Mechanism
-from slider.robot.names import ACTUATED, LEG_MOTORS, NUM_JOINTS, mirror_sign
+from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, NUM_JOINTS, mirror_sign
 
-_PITCH, _KNEE, _ANKLE = (np.s_[..., k::LEG_MOTORS] for k in (2, 3, 4))  # pitch is last of the hip
+_PITCH, _KNEE, _ANKLE = (
+    np.s_[..., k::LEG_GAIT_JOINTS] for k in (2, 3, 4)
+)  # pitch is last of the hip
 _SAGITTAL = _PITCH, _ANKLE, _KNEE
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -89,7 +91,7 @@ def prismatic_joints(
         terms = triangle(q[_KNEE], lengths.thigh, lengths.shank, variant)
         v = _moved(v, terms.rates, v[_KNEE])
         q = _placed(q, terms, lengths.nominal)
-    return with_upper_feet(q), with_upper_feet(v)
+    return all_joints(q), all_joints(v)
 
 
 def prismatic_motion(
@@ -128,15 +130,15 @@ def _moved(values: np.ndarray, rates: Sequence[np.ndarray], knee: np.ndarray) ->
     return moved
 
 
-def with_upper_feet(joints: np.ndarray) -> np.ndarray:
-    """Values of all joints (..., 12) from those of the driven ones (..., 10); upper feet rest."""
+def all_joints(joints: np.ndarray) -> np.ndarray:
+    """Values of all joints (..., 12) from those of gaits (..., 10), with zeros for the last."""
     full = np.zeros((*joints.shape[:-1], NUM_JOINTS))
-    full[..., list(ACTUATED)] = joints
+    full[..., list(GAIT_JOINTS)] = joints
     return full
 
 
 def reflected(joints: np.ndarray, geometry: Geometry) -> np.ndarray:
     """Values (..., 10) of the knee legs in the sagittal mirror: swapped, yaw and roll flipped."""
-    signs = np.array(mirror_sign(geometry))[:LEG_MOTORS]
-    first, second = joints[..., :LEG_MOTORS], joints[..., LEG_MOTORS:]
+    signs = np.array(mirror_sign(geometry))[:LEG_GAIT_JOINTS]
+    first, second = joints[..., :LEG_GAIT_JOINTS], joints[..., LEG_GAIT_JOINTS:]
     return np.concatenate([signs * second, signs * first], axis=-1)

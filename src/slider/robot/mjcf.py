@@ -20,13 +20,14 @@ import mujoco
 import numpy as np
 
 from slider.config.env import PhysicsConfig, SoleContact
-from slider.config.robot import LINKS, Geometry, LegJoint, Link, RobotConfig
+from slider.config.robot import Geometry, LegJoint, Link, RobotConfig
 from slider.robot import names
 from slider.robot.transmission import Transmission, by_motor
 
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
+_FOOT = [0.75, 0.35, 0.15, 1]
 DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
 _SITE, _GEOM = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
 _KIND = mujoco.mjtSensor
@@ -154,22 +155,39 @@ def _add_leg(
         thigh = _add_geom(last, f"{side}_thigh", capsule, fromto=[*hip, *knee], **rod)
         thigh.conaffinity = 0  # for films
     _add_geom(bodies["slide"], names.tube(side), capsule, fromto=[*top, *end], **rod)
-    foot, height = bodies["ankle"], geometry.ankle_height - geometry.foot_radius
-    line = _add_geom(foot, names.foot(side), capsule, **_foot_line(geometry, -height))
-    line.friction = [robot.contact.friction, 0.005, 0.0001]
+    foot, upper = bodies["ankle"], bodies["slide"]
+    if geometry.sole is not None:
+        roll = LegJoint("ankle_roll", geometry.ankle_roll, np.eye(3)[0], slides=False)
+        foot = _add_link(foot, robot, side, roll)
+    ground = _add_foot(
+        foot, names.foot(side), geometry, geometry.foot_radius - geometry.sole_height
+    )
+    ground.friction = [robot.contact.friction, 0.005, 0.0001]
     if contact is not None:
-        line.solref[0] = contact.time_constant
-        line.solimp[:3] = [*contact.impedance, contact.depth]
-    line.priority = 1  # the foot's friction counts, not the floor's
-    foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
-    # After the foot: MuJoCo numbers joints in this order, that of joint_names.
-    place = np.array([0.0, 0.0, geometry.upper_foot_height])
-    upper = LegJoint("upper_foot", place, np.eye(3)[1], slides=False)
-    upper = _add_link(bodies["slide"], robot, side, upper)
+        ground.solref[0] = contact.time_constant
+        ground.solimp[:3] = [*contact.impedance, contact.depth]
+    ground.priority = 1  # the foot's friction counts, not the floor's
+    foot.add_site(name=names.sole(side), pos=[0.0, 0.0, -geometry.sole_height])
+    if geometry.sole is None:
+        # After the foot: MuJoCo numbers joints in this order, that of joint_names.
+        place = np.array([0.0, 0.0, geometry.upper_foot_height])
+        joint = LegJoint("upper_foot", place, np.eye(3)[1], slides=False)
+        upper = _add_link(upper, robot, side, joint)
+    height = geometry.ankle_height - geometry.foot_radius
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
     if geometry.knee is not None:
         line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
     line.conaffinity = 0  # far above the ground
+
+
+def _add_foot(body: mujoco.MjsBody, name: str, geometry: Geometry, height: float) -> mujoco.MjsGeom:
+    """Line or sole at a height of its middle above the joint [m]; a box touches at its corners."""
+    if geometry.sole is None:
+        return _add_geom(body, name, mujoco.mjtGeom.mjGEOM_CAPSULE, **_foot_line(geometry, height))
+    length, middle = geometry.toe + geometry.heel, (geometry.toe - geometry.heel) / 2
+    size = [length / 2, geometry.sole.width / 2, geometry.foot_radius]
+    look = {"pos": [middle, 0.0, height], "rgba": _FOOT}
+    return _add_geom(body, name, mujoco.mjtGeom.mjGEOM_BOX, size=size, **look)
 
 
 def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
@@ -177,7 +195,7 @@ def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
     return {
         "size": [geometry.foot_radius, 0, 0],
         "fromto": [-geometry.heel, 0, height, geometry.toe, 0, height],
-        "rgba": [0.75, 0.35, 0.15, 1],
+        "rgba": _FOOT,
     }
 
 
@@ -186,7 +204,8 @@ def _add_link(
 ) -> mujoco.MjsBody:
     config, drive = robot.joints[joint.name], robot.drives.get(joint.name)
     name = f"{side}_{joint.name}"
-    body_name = names.foot(side) if joint.name == "ankle" else name
+    link = robot.geometry.links[joint.name]
+    body_name = names.foot(side) if link == "foot" else name
     body = parent.add_body(name=body_name, pos=joint.place)
     index, kinds = names.joint_names(robot.geometry).index(name), mujoco.mjtJoint
     body.add_joint(
@@ -198,8 +217,7 @@ def _add_link(
         armature=config.armature + (0.0 if drive is None else drive.inertia),
         damping=np.array([config.damping]),
     )
-    link = getattr(robot.links, LINKS[joint.name])
-    _set_inertia(body, link, 1.0 if side == names.SIDES[0] else -1.0)
+    _set_inertia(body, getattr(robot.links, link), 1.0 if side == names.SIDES[0] else -1.0)
     return body
 
 
@@ -261,7 +279,7 @@ def _add_sensors(spec: mujoco.MjSpec, geometry: Geometry) -> None:
 
 def _add_instruments(spec: mujoco.MjSpec, geometry: Geometry) -> None:
     """Add sensors for metrics: heels and toes, turning feet, distances of legs."""
-    height = geometry.foot_radius - geometry.ankle_height
+    height = geometry.foot_radius - geometry.sole_height
     for side in names.SIDES:
         for end, x in zip(names.FOOT_ENDS, (-geometry.heel, geometry.toe), strict=True):
             name = f"{side}_{end}"  # in the middle of the capsule's round end

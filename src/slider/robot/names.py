@@ -10,13 +10,14 @@ from slider.config.robot import LATERAL, Geometry
 
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")
-LEG_SIZE = 6  # joints of a leg: three of the hip, slide or knee, ankle, upper foot
-EXTENSION, ANKLE, UPPER_FOOT = 3, 4, 5  # places among them
+LEG_SIZE = 6  # joints of a leg: three of the hip, slide or knee, ankle, upper foot or ankle roll
+EXTENSION, ANKLE, LAST = 3, 4, 5  # places among them
 NUM_JOINTS = LEG_SIZE * len(SIDES)
-ACTUATED = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE != UPPER_FOOT)
-PASSIVE = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE == UPPER_FOOT)
-LEG_MOTORS = 5  # one per hip joint; two for slide and ankle, one each or both by a capstan
-NUM_MOTORS = LEG_MOTORS * len(SIDES)
+GAIT_JOINTS = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE != LAST)
+"""Joints that a gait prescribes: an upper foot is passive, an ankle's roll keeps the sole level."""
+LAST_JOINTS = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE == LAST)
+LEG_GAIT_JOINTS = LEG_SIZE - 1
+NUM_GAIT_JOINTS = len(GAIT_JOINTS)
 NUM_CHANNELS = 2 * NUM_JOINTS + 2
 MIRROR_PERMUTATION = tuple((i + LEG_SIZE) % NUM_JOINTS for i in range(NUM_JOINTS))
 
@@ -27,8 +28,14 @@ def joint_names(geometry: Geometry) -> tuple[str, ...]:
 
 
 def motor_names(geometry: Geometry) -> tuple[str, ...]:
-    """Names of all motors (10)."""
-    return _both((*geometry.axes.order, "leg_1", "leg_2"))
+    """Names of all motors (10, with soles 12)."""
+    last = () if geometry.sole is None else ("ankle_roll",)
+    return _both((*geometry.axes.order, "leg_1", "leg_2", *last))
+
+
+def driven_joints(geometry: Geometry) -> tuple[int, ...]:
+    """Places of the joints that have motors, as many as these."""
+    return GAIT_JOINTS if geometry.sole is None else tuple(range(NUM_JOINTS))
 
 
 def knee_joint_names(geometry: Geometry) -> tuple[str, ...]:

@@ -17,45 +17,44 @@ import numpy as np
 
 from slider.config.robot import Capstan, Mechanism
 from slider.core.arrays import Array, namespace
-from slider.robot.names import ACTUATED, LEG_MOTORS, NUM_JOINTS, SIDES
+from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, NUM_JOINTS, SIDES, driven_joints
 
-_DRIVEN = np.array(ACTUATED)
 T = TypeVar("T")
 
 
-def leg_matrix(capstan: Capstan | None) -> np.ndarray:
-    """Motor angles per joint position (5, 5): three of the hip, slide, ankle in columns."""
-    matrix = np.eye(LEG_MOTORS)
+def leg_matrix(capstan: Capstan | None, size: int = LEG_GAIT_JOINTS) -> np.ndarray:
+    """Motor angles per joint position (size, size): hip, slide, ankle and its roll in columns."""
+    matrix = np.eye(size)
     if capstan is None:
         return matrix
     slide, foot = 1.0 / capstan.drum_radius, 1.0 / capstan.foot_ratio
-    matrix[3:, 3:] = [[slide, foot], [slide, -foot]]
+    matrix[3:5, 3:5] = [[slide, foot], [slide, -foot]]
     return matrix
 
 
 def by_motor(robot: Mechanism, table: Mapping[str, T]) -> list[T]:
-    """Entries of the drives of a leg for its five motors, from the hip down."""
+    """Entries of the drives of a leg for its motors, from the hip down."""
     return [table[name] for name in robot.leg_motors]
 
 
 def leg_inertia(robot: Mechanism) -> np.ndarray:
-    """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
-    matrix = leg_matrix(robot.capstan)
+    """Inertia of rotors and joints that adds to that of a leg's driven joints [kg m², kg]."""
     rotors = np.array([drive.inertia for drive in by_motor(robot, robot.drives)])
-    names = robot.geometry.leg_joints[:LEG_MOTORS]
+    matrix = leg_matrix(robot.capstan, len(rotors))
+    names = robot.geometry.leg_joints[: len(rotors)]
     armatures = [robot.joints[name].armature for name in names]
     return matrix.T @ (rotors[:, None] * matrix) + np.diag(armatures)
 
 
 @dataclass(frozen=True)
 class Transmission:
-    """The ten motors of the robot in the order of ``motor_names``.
+    """The m motors of the robot in the order of ``motor_names``: 10, or with soles 12.
 
     Attributes:
-        matrix: motor angles per joint position (10, 12).
-        torque, stall: limit and stall torque (10,) [N m].
-        speed: where the torque-speed line ends (10,) [rad/s].
-        inertia: of the rotors (10,) [kg m²].
+        matrix: motor angles per joint position (m, 12).
+        torque, stall: limit and stall torque (m,) [N m].
+        speed: where the torque-speed line ends (m,) [rad/s].
+        inertia: of the rotors (m,) [kg m²].
     """
 
     matrix: Array
@@ -68,8 +67,9 @@ class Transmission:
     def of(cls, robot: Mechanism) -> "Transmission":
         """The motors of both legs of a robot."""
         motors = by_motor(robot, robot.drives) * len(SIDES)
-        matrix = np.zeros((len(motors), NUM_JOINTS))
-        matrix[:, _DRIVEN] = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan))
+        matrix, driven = np.zeros((len(motors), NUM_JOINTS)), driven_joints(robot.geometry)
+        leg = leg_matrix(robot.capstan, len(motors) // len(SIDES))
+        matrix[:, list(driven)] = np.kron(np.eye(len(SIDES)), leg)
         torque, speed, ratio, inertia = (
             np.array([getattr(motor, name) for motor in motors])
             for name in ("torque", "speed", "stall_ratio", "inertia")
@@ -78,32 +78,33 @@ class Transmission:
 
     @cached_property
     def inverse(self) -> Array:
-        """Motor torques per joint effort (10, 12); passive joints have none."""
-        xp, driven = namespace(self.matrix), list(ACTUATED)
+        """Motor torques per joint effort (m, 12); passive joints have none."""
+        xp = namespace(self.matrix)
+        driven = [*GAIT_JOINTS] if len(self.matrix) < NUM_JOINTS else slice(None)
         inverse = xp.zeros_like(self.matrix)
         inverse[:, driven] = xp.linalg.inv(self.matrix[:, driven]).T
         return inverse
 
     def angles(self, joints: Array) -> Array:
-        """Motor angles or speeds (..., 10) [rad, rad/s] of joint positions or speeds (..., 12)."""
+        """Motor angles or speeds (..., m) [rad, rad/s] of joint positions or speeds (..., 12)."""
         return joints @ self.matrix.T
 
     def torques(self, efforts: Array) -> Array:
-        """Motor torques (..., 10) [N m] that make joint efforts (..., 12) [N m or N]."""
+        """Motor torques (..., m) [N m] that make joint efforts (..., 12) [N m or N]."""
         return efforts @ self.inverse.T
 
     def efforts(self, torques: Array) -> Array:
-        """Joint efforts (..., 12) [N m or N] of motor torques (..., 10) [N m]."""
+        """Joint efforts (..., 12) [N m or N] of motor torques (..., m) [N m]."""
         return torques @ self.matrix
 
     def torque_limits(self, speeds: Array) -> tuple[Array, Array]:
-        """Least and greatest torque (..., 10) [N m] at motor speeds (..., 10) [rad/s]."""
+        """Least and greatest torque (..., m) [N m] at motor speeds (..., m) [rad/s]."""
         upper = (self.stall * (1 - speeds / self.speed)).clip(-self.torque, self.torque)
         lower = (-self.stall * (1 + speeds / self.speed)).clip(-self.torque, self.torque)
         return lower, upper
 
     def shares(self, efforts: Array, speeds: Array) -> tuple[Array, Array]:
-        """Torque / limit and voltage / bus voltage (..., 10) of joint efforts and speeds.
+        """Torque / limit and voltage / bus voltage (..., m) of joint efforts and speeds.
 
         A motor makes a torque at a speed where both are within ±1; the voltage share is
         torque / stall torque + speed / no-load speed.

@@ -14,7 +14,7 @@ from slider.library.blend import blend
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, LIGHT, MIDDLE, new_figure
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
-from slider.robot.names import LEG_MOTORS, NUM_JOINTS
+from slider.robot.names import LEG_GAIT_JOINTS, NUM_JOINTS
 
 CYCLES_CAPTION = """\
 Position against velocity of the left leg's joints over one walk (two steps), one closed curve per
@@ -40,7 +40,7 @@ def draw_cycles(library: GaitLibrary) -> Figure:
         gait = blend(library, *library.velocities[index])
         colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
         steps = [gait.joints(step, _PHASE) for step in range(2)]
-        for column, axes in enumerate(panels.flat[:LEG_MOTORS]):
+        for column, axes in enumerate(panels.flat[:LEG_GAIT_JOINTS]):
             _closed_curve(axes, [(q[:, column], v[:, column]) for q, v in steps], colour)
         left, right = gait.roll[..., :2].swapaxes(1, 2)
         _closed_curve(panels.flat[-1], [left, -right], colour)  # for the world's signs

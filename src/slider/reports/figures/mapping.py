@@ -8,7 +8,7 @@ from scipy.integrate import cumulative_trapezoid
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
 from slider.robot import knee_map
-from slider.robot.names import EXTENSION, LEG_MOTORS
+from slider.robot.names import EXTENSION, LEG_GAIT_JOINTS
 
 _NO_MAP = "The gaits are in the leg's own coordinates, without a map."
 _START = 0.1  # knee flexion from which speed errors add up [rad]
@@ -52,7 +52,7 @@ def draw(library: GaitLibrary) -> Figure:
 
 def flexions(library: GaitLibrary) -> tuple[float, float]:
     """Least and greatest knee flexion [rad] of the gaits."""
-    used = library.arrays["knee_positions"][..., EXTENSION::LEG_MOTORS]
+    used = library.arrays["knee_positions"][..., EXTENSION::LEG_GAIT_JOINTS]
     return float(used.min()), float(used.max())
 
 

@@ -67,7 +67,9 @@ def draw_tradeoff(frame: pd.DataFrame) -> Figure:
         for speed, point in zip(mine["speed"], place.to_numpy(), strict=True):
             near = {"textcoords": "offset points", "xytext": (4, 2), "color": look["color"]}
             axes.annotate(speed_text(speed), point, fontsize=6, **near)
-    axes.set(xscale="log", yscale="log", xlabel="cost of transport", ylabel="velocity MSE [m²/s²]")
+    axes.set(xlabel="cost of transport", ylabel="velocity MSE [m²/s²]")
+    if axes.lines and np.isfinite(frame["mse_steady"]).any():
+        axes.set(xscale="log", yscale="log")
     ticks = [0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0]
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()

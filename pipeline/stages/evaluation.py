@@ -189,10 +189,12 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """The table of both engines, and with it the audit of Drake's model and the walks in both.
 
     Raises:
-        UserError: Drake is not installed, or a controller cannot walk the gaits.
+        UserError: Drake is not installed, feet have soles, or a controller cannot walk the gaits.
     """
     there, settings = importlib.util.find_spec("pydrake") is not None, config.second_engine
     require(there, "second_engine", "Drake (pip install -e '.[drake]' -c constraints.txt)", "none")
+    line_feet = config.robot.geometry.sole is None
+    require(line_feet, "second_engine", "a robot with line feet", "one with soles")
     check_walkable(config, "second_engine.protocol.controllers", settings.protocol.controllers)
     names, usual = settings.friction_controllers, config.robot.contact.friction
     slippery = replace(settings.protocol, controllers=names, speeds=[settings.friction_speed])

@@ -17,7 +17,14 @@ from slider.control.onnx_graph import OPSET
 from slider.control.policy import Policy
 from slider.env.observations import TERMS
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import GAIT_JOINTS, SIDES, VELOCITY, channel_units, joint_names, motor_names
+from slider.robot.names import (
+    SIDES,
+    VELOCITY,
+    channel_units,
+    driven_joints,
+    joint_names,
+    motor_names,
+)
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
@@ -139,7 +146,7 @@ def _joints(robot: RobotConfig) -> list[dict[str, Any]]:
         {
             "name": name,
             "unit": units[index],
-            "actuated": index in GAIT_JOINTS,
+            "actuated": index in driven_joints(geometry),
             "default": float(nominal[index]),
             "lower": float(lower[index]),
             "upper": float(upper[index]),

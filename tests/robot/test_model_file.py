@@ -22,6 +22,7 @@ from slider.robot.mjcf import SimulationOptions, build_spec
 from slider.robot.model_file import read_model
 from tests.config.composed import CONF, composed
 from tests.robot.lopsided import kneed, lopsided, turned
+from tests.robot.soled import soled
 
 SLIDER = composed().robot
 ROLES = {"base": "base", "joints": {name: [f"left_{name}", f"right_{name}"] for name in LINKS}}
@@ -47,13 +48,15 @@ def flat(node: dict, place: str = "") -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     "robot",
-    [SLIDER, lopsided(), kneed(), turned(False), turned(True)],
-    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed"],
+    [SLIDER, lopsided(), kneed(), turned(False), turned(True), soled()],
+    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed", "with soles"],
 )
 @pytest.mark.parametrize("side", [None, "right"])
 def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp_path):
     roles: dict[str, Any] = ROLES | {"side": side}
-    if robot.geometry.knee is not None:  # whose joint has the slide's name in our own model
+    if robot.geometry.sole is not None:
+        roles = soled_roles() | {"side": side}
+    elif robot.geometry.knee is not None:  # whose joint has the slide's name in our own model
         light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
         robot = replace(robot, links=replace(robot.links, upper_foot=light))
         joints = dict(ROLES["joints"]) | {"upper_foot": None}
@@ -68,12 +71,37 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
     given = flat({k: v for k, v in found.values.items() if k not in ("drives", "gains")})
     assert {"links.tube.products", "geometry.axes.hip_yaw", "joints.slide.damping"} <= given.keys()
     for name, value in given.items():
-        if value is None:
-            assert expected[name] is None
+        if value is None or expected[name] is None:
+            assert value is expected[name] is None, name
         elif name.endswith("order"):
             assert tuple(value) == expected[name]
         elif "upper_foot" not in name or robot.geometry.knee is None:
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
+
+
+def soled_roles(**joints: list[str]) -> dict[str, Any]:
+    """Roles of our own model of a robot with knees and soles."""
+    names = {name: [f"left_{name}", f"right_{name}"] for name in soled().joints} | joints
+    return ROLES | {"joints": {"knee": names.pop("slide")} | names}
+
+
+def test_a_roll_above_the_pitch_of_an_ankle_is_refused(tmp_path):
+    path = mjcf(soled(), tmp_path)
+    pitch, roll = (soled_roles()["joints"][name] for name in ("ankle", "ankle_roll"))
+    with pytest.raises(UserError, match="knee, ankle from the base to left_ankle_roll, found"):
+        read_model(path, soled_roles(ankle=roll, ankle_roll=pitch))
+
+
+def test_a_sole_without_geometry_has_the_typed_height(tmp_path):
+    spec = build_spec(soled(), SimulationOptions())
+    for part in [*spec.pairs, *spec.sensors, *(g for g in spec.geoms if "foot" in g.name)]:
+        spec.delete(part)
+    spec.compile()
+    path = tmp_path / "robot.xml"
+    path.write_text(spec.to_xml(), encoding="utf-8")
+    typed = {"geometry.ankle_height": soled().geometry.ankle_height}
+    sole = read_model(path, soled_roles(), typed).values["geometry"]["sole"]
+    assert sole == {"roll_height": pytest.approx(soled().geometry.sole.roll_height)}
 
 
 def footed(folder: Path, x: float, y: float, turn: float = 0.0) -> Path:

@@ -173,7 +173,8 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
     marked = (*robot.geometry.axes.order, "ankle")
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
     foot_style = {"color": MIDDLE, "alpha": 0.25, "linewidth": 0}
-    foot = np.array([[-robot.geometry.heel, 0.0, sole], [robot.geometry.toe, 0.0, sole]])
+    wide = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
+    foot = np.array([[-robot.geometry.heel, -wide, sole], [robot.geometry.toe, wide, sole]])
     with style():
         figure = new_figure(4.5)
         panels = figure.subplots(1, 2, sharey=True)
@@ -181,9 +182,9 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
             for side, colour in (("right", LIGHT), ("left", DARK)):
                 axes = {name: data.joint(f"{side}_{name}").xanchor for name in robot.joints}
                 chain, top = [base, *(axes[name] for name in marked)], [axes["hip_pitch"]]
-                if robot.geometry.knee is None:
+                if "upper_foot" in axes and robot.geometry.knee is None:
                     top.append(axes["upper_foot"])
-                else:
+                if robot.geometry.knee is not None:
                     chain.insert(-1, axes["slide"])
                     panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:

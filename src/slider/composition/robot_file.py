@@ -77,7 +77,9 @@ def without_absent(robot: Any) -> None:
     if not isinstance(robot, dict):
         return
     absent = {name for name, value in robot.items() if value is None}
-    for name in ("drives", "gains", "provenance"):
+    if "sole" in (geometry := robot.get("geometry") or {}):
+        absent.add("ankle_roll" if geometry["sole"] is None else "upper_foot")
+    for name in ("joints", "drives", "gains", "provenance"):
         if isinstance(values := robot.get(name), dict):
             kept = {k: v for k, v in values.items() if absent.isdisjoint(str(k).split("."))}
             robot[name] = kept

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import from_dict
-from slider.config.robot import HIP_JOINTS, LINKS, Body
+from slider.config.robot import HIP_JOINTS, Body
 from slider.core.errors import require
 from slider.robot.model_compile import compiled
 from slider.robot.model_motors import drives
@@ -87,29 +87,40 @@ def read_model(
             f"no geometry of a foot that can be read: its line is at the ankle's anchor, y = "
             f"{lateral:.3f} m ({other:.3f} on the other side); roles.foot_y types it"
         )
+    axis = leg["ankle_roll"].place if tree.has_soles else None  # along x: it says where the foot is
     line = roles.foot_y if roles.foot_y is not None else foot.get("y") or lateral
+    line = line if axis is None else float(axis[1])
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
         places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
-    links = {"base": _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT}
-    links |= dict.fromkeys(LINKS.values(), _LIGHT)
+    links: dict[str, Any] = {"upper_foot": None, "talus": None}
+    links["base"] = _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT
+    below = tree.links
+    links |= dict.fromkeys(below.values(), _LIGHT)
     heavy = {name: part.body for name, part in leg.items() if part.body.mass > LEAST_MASS}
-    links |= {LINKS[name]: _values(body, places[name]) for name, body in heavy.items()}
-    light = [LINKS[name] for name in leg if name not in heavy]
+    links |= {below[name]: _values(body, places[name]) for name, body in heavy.items()}
+    light = [below[name] for name in leg if name not in heavy]
     light += ["base"] * (base.mass < LEAST_MASS)
     if light:
         tree.remarks.append(f"no mass in the model, 1 g here: {', '.join(light)}")
     joints = {name: part.joint for name, part in leg.items()}
-    joints |= {name: joint for name, joint in OPTIONAL_JOINTS.items() if name not in leg}
+    joints |= {n: joint for n, joint in OPTIONAL_JOINTS.items() if n in below.keys() - leg.keys()}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
-    robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
+    robot |= {"virtual_knee": None} if tree.has_knee or tree.has_soles else {}
+    robot |= {"capstan": None} if tree.has_knee else {}
     if shape and abs(tilt := shape.tilt()) > _LEVEL:
         text = f"turn the ankle by {tilt:.2f} rad about y"
         tree.remarks.append(f"the model's sole is not level in roles.pose: {text}")
         foot = {name: foot[name] for name in ("y", "width")}
     ends = {name: rounded(foot[name]) for name in ("ankle_height", "toe", "heel") if name in foot}
     robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
+    robot["geometry"]["sole"] = None
+    if axis is not None:
+        height = typed.get("geometry.ankle_height", ends.get("ankle_height"))
+        known = {"roll_height": height and height + axis[2] - leg["ankle"].place[2]}
+        known["width"] = foot.get("width")
+        robot["geometry"]["sole"] = {name: rounded(v) for name, v in known.items() if v}
     values, motors = drives(tree.motors(int(leg is right), speeds), typed)
     robot |= values
     told = tree.foot_rotation(), tree.solved, tree.remarks
@@ -124,7 +135,7 @@ def _compare(
     differences, length = {}, tree.reach
     for name, part in left.items():
         other = right[name]
-        differences[f"{LINKS[name]} links"] = _difference(other.body, part.body, length)
+        differences[f"{tree.links[name]} links"] = _difference(other.body, part.body, length)
         away = other.place - part.place
         across = away - (away @ part.axis) * part.axis  # no matter where on the axis
         apart = 0.0 if name == "slide" and not tree.has_knee else relative(across, length)
@@ -192,10 +203,14 @@ def _origins(leg: Mapping[str, Part], has_knee: bool, line: float) -> dict[str, 
     The yaw of a machine that lacks it is on the roll axis.
     """
     places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
+    if "ankle_roll" in leg:
+        places["ankle_roll"] = leg["ankle_roll"].place.copy()
     for name in ("hip_pitch", "slide", "ankle", "upper_foot"):  # no matter where on their axes
         if part := leg.get("hip_pitch" if name == "slide" and not has_knee else name):
             places[name] = part.place + part.axis * (line - part.place[1]) / part.axis[1]
             places[name][1] = line
+    if "ankle_roll" in leg:
+        places["ankle_roll"][0] = places["ankle"][0]
     return places
 
 

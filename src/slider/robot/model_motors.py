@@ -90,7 +90,7 @@ def drives(
         if isinstance(limit, int | float):
             own.setdefault(kp, (limit / _BEND, "rule"))
             for quantity, value in _KNEE_AND_ANKLE.items():
-                if name in ("slide", "ankle"):
+                if name in ("slide", "ankle", "ankle_roll"):
                     own.setdefault(f"drives.{name}.{quantity}", (value, "rule"))
         loop = typed.get(kp, own.get(kp, (None,))[0])
         if isinstance(loop, int | float):

@@ -93,7 +93,8 @@ class LegPose:
 
     def _foot(self, data: Any) -> np.ndarray:
         """Rotation (3, 3) of the foot in the base's frame."""
-        foot = self._model.jnt_bodyid[self._joints["ankle"]]
+        last = "ankle_roll" if "ankle_roll" in self._joints else "ankle"
+        foot = self._model.jnt_bodyid[self._joints[last]]
         base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
         return self._forward @ base.T @ own
 

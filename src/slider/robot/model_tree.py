@@ -15,7 +15,16 @@ import numpy as np
 from pydantic import Field
 
 from slider.config import types as t
-from slider.config.robot import HIP_JOINTS, LATERAL, LINKS, MAX_TURN, MIRROR, Body, axis_of
+from slider.config.robot import (
+    HIP_JOINTS,
+    LATERAL,
+    LINKS,
+    MAX_TURN,
+    MIRROR,
+    SOLE_LINKS,
+    Body,
+    axis_of,
+)
 from slider.core.errors import UserError, require
 from slider.robot.model_foot import Foot
 from slider.robot.model_motors import motor_of
@@ -32,6 +41,7 @@ OPTIONAL_JOINTS = {
 AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
     "hip_yaw": (0.0, 0.0, 1.0),
     "hip_roll": (1.0, 0.0, 0.0),
+    "ankle_roll": (1.0, 0.0, 0.0),
     "slide": (0.0, 0.0, -1.0),
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
@@ -48,7 +58,8 @@ class Roles(t.Group):
 
     Attributes:
         base: name of a body.
-        joints: left and right joint of each role, null for a role that the machine lacks.
+        joints: left and right joint of each role, null for a role that the machine lacks;
+            ``ankle_roll`` in place of an upper foot.
         pose: positions of joints that count as zero or are held there. What is not typed, or does
             not fit, is solved: soles level as in the model's own zero, ankles below the hips.
         bend: angle of the knees in the pose from straight legs [rad]; null: the typed one, the
@@ -85,6 +96,8 @@ class ModelTree:
 
     def __init__(self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = ()) -> None:
         self.has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
+        self.has_soles = "ankle_roll" in self._joints
+        self._foot = "ankle_roll" if self.has_soles else "ankle"
         self._typed, self._tolerance, self.remarks = typed, roles.tolerance, list[str]()
         self._model, self._data = model, mujoco.MjData(model)
         self._roles = {index for pair in self._joints.values() for index in pair}
@@ -194,7 +207,7 @@ class ModelTree:
     def _hip_order(self, side: int) -> tuple[str, ...]:
         """Joints of a hip from the base down; those with a role follow one another to the ankle."""
         model, hip = self._model, ()
-        for name in ("ankle", "upper_foot"):
+        for name in ("ankle", "upper_foot", "ankle_roll"):
             if name not in self._joints:
                 continue
             chain, body = [], model.jnt_bodyid[self._joints[name][side]]
@@ -206,7 +219,7 @@ class ModelTree:
             named = {pair[side]: role for role, pair in self._joints.items()}
             order = [named[index] for index in reversed(chain) if index in named]
             hip = tuple(role for role in order if role in HIP_JOINTS)
-            expected = [*hip, "slide", name]
+            expected = [*hip, "slide", *["ankle"] * (name == "ankle_roll"), name]
             if self.has_knee:
                 order, expected = (
                     [_KNEE if role == "slide" else role for role in roles]
@@ -216,6 +229,13 @@ class ModelTree:
             text = f"{', '.join(expected)} from the base to {end}"
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
         return hip
+
+    @property
+    def links(self) -> dict[str, str]:
+        """The link below each joint of a leg."""
+        last = "ankle_roll" if self.has_soles else "upper_foot"
+        names = (*HIP_JOINTS, "slide", "ankle", last)
+        return {name: (SOLE_LINKS if self.has_soles else LINKS)[name] for name in names}
 
     @property
     def reach(self) -> float:
@@ -242,7 +262,7 @@ class ModelTree:
 
     def foot(self, side: int) -> Foot:
         """Geometry of a side's foot in the base's frame."""
-        bodies = np.flatnonzero(self._owners == self._joints["ankle"][side])
+        bodies = np.flatnonzero(self._owners == self._joints[self._foot][side])
         return Foot(self._data, bodies, self._origin, self._turn)
 
     def motors(self, side: int, speeds: Mapping[str, float]) -> dict[str, Any]:
@@ -302,7 +322,7 @@ class ModelTree:
 
     def foot_rotation(self) -> float:
         """Angle of the left foot between the pose and the model's own zero [rad]."""
-        foot = self._model.jnt_bodyid[self._joints["ankle"][0]]
+        foot = self._model.jnt_bodyid[self._joints[self._foot][0]]
         posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
         rest = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, rest)
@@ -347,7 +367,7 @@ class ModelTree:
         axis = self._turn @ self._data.xaxis[index]
         along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
         sign = float(np.sign(axis @ along))
-        tilts = self._turns(name) and name != "upper_foot"
+        tilts = self._turns(name) and name not in ("upper_foot", "ankle_roll")
         turn = np.arccos(np.clip(sign * axis @ along, -1.0, 1.0))
         most = np.deg2rad(MAX_TURN) if tilts else _MAX_SKEW
         letter = "xyz"[int(np.abs(along).argmax())]
@@ -385,8 +405,9 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
         expected = f"null with a {_KNEE}"
         require(table.get("upper_foot") is None, f"{key}.upper_foot", expected, "joints")
         table["slide"] = table.pop(_KNEE)
-    expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide"
-    require(set(table) == set(LINKS), key, expected, ", ".join(roles.joints))
+    names = set(LINKS) if "ankle_roll" not in table else set(SOLE_LINKS) - {"upper_foot"}
+    expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide, ankle_roll of upper_foot"
+    require(set(table) == names, key, expected, ", ".join(roles.joints))
     lacks = [
         name for name, pair in roles.joints.items() if pair is None and name not in OPTIONAL_JOINTS
     ]

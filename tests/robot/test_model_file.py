@@ -16,17 +16,16 @@ from slider.cli import main
 from slider.composition.robot_file import read
 from slider.config.convert import from_dict, to_dict
 from slider.config.parameters import parameters
-from slider.config.robot import HIP_JOINTS, LINKS, RobotConfig
+from slider.config.robot import HIP_JOINTS, LINKS, RobotConfig, Sole
 from slider.core.errors import UserError
 from slider.robot.mjcf import SimulationOptions, build_spec
 from slider.robot.model_file import read_model
 from tests.config.composed import CONF, composed
 from tests.robot.lopsided import kneed, lopsided, turned
-from tests.robot.soled import soled
 
 SLIDER = composed().robot
 ROLES = {"base": "base", "joints": {name: [f"left_{name}", f"right_{name}"] for name in LINKS}}
-AXES = {"hip_yaw": [0, 0, 1], "hip_roll": [1, 0, 0], "slide": [0, 0, -1]}
+AXES = {"hip_yaw": [0, 0, 1], "slide": [0, 0, -1], "hip_roll": [1, 0, 0], "ankle_roll": [1, 0, 0]}
 
 
 def mjcf(robot: RobotConfig, folder: Path) -> Path:
@@ -48,18 +47,20 @@ def flat(node: dict, place: str = "") -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     "robot",
-    [SLIDER, lopsided(), kneed(), turned(False), turned(True), soled()],
-    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed", "with soles"],
+    [SLIDER, lopsided(), kneed(), turned(False), turned(True), kneed("unitree_g1_sole")],
+    ids=["slider", "lopsided", "kneed", "turned", "turned and kneed", "sole"],
 )
 @pytest.mark.parametrize("side", [None, "right"])
 def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp_path):
     roles: dict[str, Any] = ROLES | {"side": side}
-    if robot.geometry.sole is not None:
-        roles = soled_roles() | {"side": side}
-    elif robot.geometry.knee is not None:  # whose joint has the slide's name in our own model
-        light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
-        robot = replace(robot, links=replace(robot.links, upper_foot=light))
+    if robot.geometry.knee is not None:  # whose joint has the slide's name in our own model
         joints = dict(ROLES["joints"]) | {"upper_foot": None}
+        if robot.geometry.sole is not None:
+            del joints["upper_foot"]
+            joints["ankle_roll"] = ["left_ankle_roll", "right_ankle_roll"]
+        else:
+            light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
+            robot = replace(robot, links=replace(robot.links, upper_foot=light))
         roles["joints"] = {"knee": joints.pop("slide")} | joints
     found = read_model(mjcf(robot, tmp_path), roles)
     assert sum(found.held.values()) < 1e-8
@@ -71,37 +72,12 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
     given = flat({k: v for k, v in found.values.items() if k not in ("drives", "gains")})
     assert {"links.tube.products", "geometry.axes.hip_yaw", "joints.slide.damping"} <= given.keys()
     for name, value in given.items():
-        if value is None or expected[name] is None:
-            assert value is expected[name] is None, name
+        if value is None:
+            assert expected.get(name) is None
         elif name.endswith("order"):
             assert tuple(value) == expected[name]
         elif "upper_foot" not in name or robot.geometry.knee is None:
             np.testing.assert_allclose(value, expected[name], 1e-5, 1e-6, err_msg=name)
-
-
-def soled_roles(**joints: list[str]) -> dict[str, Any]:
-    """Roles of our own model of a robot with knees and soles."""
-    names = {name: [f"left_{name}", f"right_{name}"] for name in soled().joints} | joints
-    return ROLES | {"joints": {"knee": names.pop("slide")} | names}
-
-
-def test_a_roll_above_the_pitch_of_an_ankle_is_refused(tmp_path):
-    path = mjcf(soled(), tmp_path)
-    pitch, roll = (soled_roles()["joints"][name] for name in ("ankle", "ankle_roll"))
-    with pytest.raises(UserError, match="knee, ankle from the base to left_ankle_roll, found"):
-        read_model(path, soled_roles(ankle=roll, ankle_roll=pitch))
-
-
-def test_a_sole_without_geometry_has_the_typed_height(tmp_path):
-    spec = build_spec(soled(), SimulationOptions())
-    for part in [*spec.pairs, *spec.sensors, *(g for g in spec.geoms if "foot" in g.name)]:
-        spec.delete(part)
-    spec.compile()
-    path = tmp_path / "robot.xml"
-    path.write_text(spec.to_xml(), encoding="utf-8")
-    typed = {"geometry.ankle_height": soled().geometry.ankle_height}
-    sole = read_model(path, soled_roles(), typed).values["geometry"]["sole"]
-    assert sole == {"roll_height": pytest.approx(soled().geometry.sole.roll_height)}
 
 
 def footed(folder: Path, x: float, y: float, turn: float = 0.0) -> Path:
@@ -201,27 +177,33 @@ KNEED = {
 
 
 def apart(robot: RobotConfig, file: mujoco.MjModel, pose: dict[str, float]) -> float:
-    """Largest distance of ankles, or difference of axes, at 100 random states [m]."""
+    """Largest distance of axes [m], difference of their directions, or, with a sole, of the legs'
+    mass matrix by its largest element, at 100 random states.
+    """
+    sole = robot.geometry.sole is not None
+    last = [name for name in robot.geometry.leg_joints if name != "upper_foot"]
     model, rng, worst = (
         build_spec(robot, SimulationOptions()).compile(),
         np.random.default_rng(3),
         0.0,
     )
     datas = ours, theirs = mujoco.MjData(model), mujoco.MjData(file)
+    masses = np.zeros((2, model.nv, model.nv))
     for _ in range(100):
-        joints = rng.uniform(-0.5, 0.5, 12) * (np.arange(12) % 6 < 5)
+        joints = rng.uniform(-0.5, 0.5, 12) * ((np.arange(12) % 6 < 5) | sole)
         ours.qpos[3:7] = theirs.qpos[3:7] = rng.standard_normal(4)
         ours.qpos[7:], theirs.qpos[7:] = joints, joints
         for name, angle in pose.items():
             theirs.joint(name).qpos += angle
         for data in datas:
             mujoco.mj_kinematics(data.model, data)
+            mujoco.mj_comPos(data.model, data)
+            mujoco.mj_crb(data.model, data)
+            mujoco.mj_fullM(data.model, data, masses[int(data is theirs)])
             data.xanchor[:] -= data.xanchor[0]
-        for name in [
-            f"{side}_{name}"
-            for side in ("left", "right")
-            for name in (*HIP_JOINTS, "slide", "ankle")
-        ]:
+        one, other = masses[:, 6:, 6:]
+        worst = max(worst, sole * np.abs(one - other).max() / other.max())
+        for name in [f"{side}_{name}" for side in ("left", "right") for name in last]:
             one, other = (data.joint(name) for data in datas)
             worst = max(worst, np.abs(one.xaxis - other.xaxis).max())
             off = np.cross(one.xanchor - other.xanchor, one.xaxis)  # no matter where on the axis
@@ -243,6 +225,112 @@ def test_a_leg_of_any_axes_bent_by_an_angle_is_that_of_the_file(bend, tmp_path):
     assert apart(robot, file, found.pose) < 1e-5
     file.jnt_axis[file.joint("left_ankle").id, 2] *= -1.0
     assert apart(robot, file, found.pose) > 0.01
+
+
+AT = 'range="-1.5 1.5" armature="0.01" actuatorfrcrange="-40 40"'
+ANKLE = ('ankle" axis="0 1 0"', 'ankle_roll" axis="1 0 0" pos="0.01 0 0"')  # [m]
+
+
+def rolling(folder: Path, *changes: tuple[str, str]) -> Path:
+    """A folder of a robot with knees, a talus and soles of 0.18 × 0.08 m, roll axes 2 cm down."""
+    legs = "".join(
+        f"""<body pos="0 {y} -0.05"><inertial pos="0.01 0 -0.02" mass="1.2"
+        fullinertia="3e-3 2e-3 2e-3 0 2e-4 0"/><joint name="{side}_hip_yaw" axis="0 0 1" {AT}/>
+        <body pos="0.02 0 -0.03"><inertial pos="0 0 0.01" mass="1" diaginertia="1e-3 1e-3 1e-3"/>
+        <joint name="{side}_hip_roll" axis="1 0 0" {AT}/>
+        <body><inertial pos="0 0 -0.15" mass="2" diaginertia="1e-2 1e-2 2e-3"/>
+        <joint name="{side}_hip_pitch" axis="0 1 0" {AT}/>
+        <body pos="0 0 -0.3"><inertial pos="0.01 0 -0.1" mass="1.5" diaginertia="8e-3 8e-3 1e-3"/>
+        <joint name="{side}_slide" axis="0 1 0" {AT}/>
+        <body pos="0 0 -0.3"><inertial pos="-0.01 0 0.01" mass="0.1"
+        fullinertia="2e-5 3e-5 2e-5 0 4e-6 0"/><joint name="{side}_{ANKLE[0]} {AT}/>
+        <body pos="0 0 -0.02"><inertial pos="0.03 0 -0.02" mass="0.5"
+        fullinertia="3e-4 1e-3 1e-3 0 1e-4 0"/><joint name="{side}_{ANKLE[1]} {AT}/>
+        <geom type="box" size="0.09 0.04 0.01" pos="0.03 0 -0.03"/>
+        </body></body></body></body></body></body>"""
+        for side, y in (("left", 0.1), ("right", -0.1))
+    )
+    base = '<inertial pos="0 0 0.1" mass="10" diaginertia="0.2 0.2 0.1"/><freejoint/>'
+    xml = f'<mujoco><compiler angle="radian"/><worldbody><body name="base">{base}{legs}</body>'
+    xml += "</worldbody></mujoco>"
+    for before, after in changes:
+        assert xml.count(before) == 2, before
+        xml = xml.replace(before, after)
+    (folder / XML).write_text(xml, encoding="utf-8")
+    roles = [*HIP_JOINTS, "slide", "ankle", "ankle_roll"]
+    names = ", ".join(f"{name}: [left_{name}, right_{name}]" for name in roles)
+    names = names.replace("slide:", "knee:")
+    text = "defaults: [slider, _self_]\nname: mine\nmodel: robot.xml\n"
+    (folder / YAML).write_text(f"{text}roles: {{base: base, joints: {{{names}}}}}\n")
+    return folder
+
+
+def test_an_ankle_that_rolls_is_that_of_the_file(tmp_path, capsys):
+    """Talus, sole and motor of the roll; the robot moves as the file's, mass matrix included."""
+    robot = composed(f"robot={rolling(tmp_path)}").robot
+    assert robot.geometry.sole == Sole(roll_height=0.04, width=0.08)
+    assert (robot.geometry.ankle_height, robot.links.talus.mass) == (0.06, 0.1)
+    assert robot.links.talus.products == (0.0, 4e-6, 0.0)
+    assert robot.links.foot.com == (0.03, 0.0, -0.02)  # from the axis, below the ankle
+    assert robot.joints["ankle_roll"].upper == 1.5
+    assert (robot.drives["ankle_roll"].torque, robot.gains["ankle_roll"].kp) == (40.0, 80.0)
+    assert len(robot.leg_motors) == 6
+    file = mujoco.MjModel.from_xml_path(str(tmp_path / XML))
+    pose = read(tmp_path / YAML)["model"]["pose"]
+    assert apart(robot, file, pose) < 1e-5
+    file.jnt_pos[file.joint("left_ankle_roll").id, 2] += 0.01
+    assert apart(robot, file, pose) > 1e-3
+    picture = tmp_path / "robot.png"
+    assert main(["robot", str(tmp_path), "--conf", str(CONF), "--draw", str(picture)]) == 0
+    said = capsys.readouterr().out
+    assert "held: nothing" in said
+    assert "talus" in said
+    assert "remark" not in said
+
+
+CROSS = """<inertial pos="-0.01 0 0.01" mass="0.1"
+        fullinertia="2e-5 3e-5 2e-5 0 4e-6 0"/>"""
+
+
+def test_a_cross_without_mass_is_light_and_a_typed_width_comes_first(tmp_path):
+    change(rolling(tmp_path, (CROSS, "")) / YAML, "name: mine", WIDTH)
+    robot = composed(f"robot={tmp_path}").robot
+    assert robot.links.talus.mass == 0.001
+    assert robot.geometry.sole == Sole(roll_height=0.04, width=0.05)
+
+
+WIDTH = "name: mine\ngeometry: {sole: {width: 0.05}}"
+SWAP = [
+    ('_ankle_roll" axis="1 0 0"', '_x" axis="0 1 0"'),
+    ('_ankle" axis="0 1 0"', '_ankle_roll" axis="1 0 0"'),
+    ('_x"', '_ankle"'),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            SWAP,
+            "knee, ankle from the base to left_ankle, found hip_yaw, hip_roll, hip_pitch, knee,",
+        ),
+        ([('axis="1 0 0" pos', 'axis="1 0.02 0" pos')], "ankle_roll: expected an axis along x, fo"),
+        (
+            [('pos="0.03 0 -0.03"', 'pos="0.03 0.006 -0.03"')],
+            "expected an axis within 0.005 m of the foot's middle, y = 0.106 m, found y = 0.100 m",
+        ),
+        (
+            [('<geom type="box" size="0.09 0.04 0.01" pos="0.03 0 -0.03"/>', "")],
+            "robot.geometry.ankle_height: expected a number in the robot's file, or the geometry",
+        ),
+    ],
+    ids=["roll first", "tilted", "beside", "without geometry"],
+)
+def test_an_ankle_that_rolls_otherwise_is_refused(changes, message, tmp_path):
+    rolling(tmp_path, *changes)
+    with pytest.raises(UserError, match=re.escape(message)) as error:
+        read(tmp_path / YAML)
+    assert "\n" not in str(error.value)
 
 
 def test_a_typed_knee_stays_and_the_rest_is_solved(tmp_path):
@@ -278,7 +366,7 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
     def joint(name: str, kind: str, parent: str, child: str, place: Any, axis: Any) -> None:
         frames[child] = Rotation.random(random_state=rng).as_matrix()
         turn = Rotation.from_matrix(frames[parent].T @ frames[child]).as_euler("xyz")
-        lower, upper = (-0.4, 0.3) if name == "right_hip_roll" else (-0.3, 0.4)
+        lower, upper = (-0.4, 0.3) if name.startswith("right") and "roll" in name else (-0.3, 0.4)
         parts.append(
             f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
             f'<origin xyz="{text(frames[parent].T @ place)}" rpy="{text(turn)}"/>'
@@ -292,13 +380,16 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
         joint(f"{name}_joint", kind, "base", name, base.com, [0, 1, 0])
         link(name, 0.25, [0, 0, 0], 1e-5 * np.eye(3))
     kinds = {"hip_yaw": "fixed", "slide": "prismatic"}  # the machine lacks the yaw
-    places = {name: place for name, place, _ in robot.geometry.axes.chain()}
+    places: dict[str, Any] = {name: place for name, place, _ in robot.geometry.axes.chain()}
     places |= {"slide": np.zeros(3)}
     places["ankle"] = [0, 0, -robot.geometry.leg_length]
+    if robot.geometry.sole is not None:
+        places["ankle_roll"] = robot.geometry.ankle_roll
+    below_of = LINKS | robot.geometry.links
     for side, mirror in (("left", np.ones(3)), ("right", np.array([1.0, -1.0, 1.0]))):
         above = "base"
         for name, place in places.items():
-            values, below = getattr(robot.links, LINKS[name]), f"{side}_{name}_link"
+            values, below = getattr(robot.links, below_of[name]), f"{side}_{name}_link"
             kind, axis = kinds.get(name, "revolute"), AXES.get(name, [0, 1, 0])
             joint(f"{side}_{name}", kind, above, below, mirror * place, axis)
             link(below, values.mass, mirror * values.com, values.tensor * np.outer(mirror, mirror))
@@ -328,6 +419,34 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     assert values["geometry"]["leg_length"] == pytest.approx(geometry.leg_length)
     slide = {"lower": -0.3, "upper": 0.4, "damping": 0.5, "armature": 0.0}
     assert values["joints"]["slide"] == pytest.approx(slide)
+
+
+def test_a_urdf_of_sliding_legs_with_soles(tmp_path):
+    """Without geometry of a foot its height and width are typed."""
+    robot, sole = lopsided(), Sole(roll_height=0.03, width=0.07)
+    links = replace(robot.links, talus=robot.links.upper_foot, upper_foot=None)
+    joints = {name: joint for name, joint in robot.joints.items() if name != "upper_foot"}
+    parts = {
+        name: values | {"ankle_roll": values["ankle"]}
+        for name, values in (("joints", joints), ("drives", robot.drives), ("gains", robot.gains))
+    }
+    geometry = replace(robot.geometry, sole=sole)
+    robot = replace(
+        robot, geometry=geometry, links=links, virtual_knee=None, provenance={}, **parts
+    )
+    height = robot.geometry.ankle_height
+    typed = {"capstan": None, "geometry.ankle_height": height, "geometry.sole.width": 0.07}
+    joints = {name: pair for name, pair in NO_YAW.items() if name != "upper_foot"}
+    joints["ankle_roll"] = ["left_ankle_roll", "right_ankle_roll"]
+    found = read_model(urdf(robot, tmp_path), {"base": "base", "joints": joints}, typed).values
+    assert found["geometry"]["sole"] == pytest.approx({"roll_height": 0.03, "width": 0.07})
+    assert (found["virtual_knee"], found["links"]["upper_foot"]) == (None, None)
+    for name in ("talus", "foot"):
+        for quantity, value in vars(getattr(robot.links, name)).items():
+            given = found["links"][name][quantity]
+            np.testing.assert_allclose(given, value, atol=1e-6, err_msg=f"{name}.{quantity}")
+    assert found["joints"]["ankle_roll"]["upper"] == 0.4
+    assert found["drives"]["ankle_roll"]["torque"] == 1.0
 
 
 BOX = '<collision><geometry><box size="1 1 1"/></geometry></collision>'

@@ -18,11 +18,11 @@ from slider.config.robot import Geometry, RobotConfig
 from slider.core.errors import require
 from slider.robot.knee_map import all_joints
 from slider.robot.mjcf import SimulationOptions, build_model
-from slider.robot.model_file import ModelFile
+from slider.robot.model_file import APART, ModelFile
 from slider.robot.model_motors import GUESS
 from slider.robot.transmission import Transmission
 
-_SEEN, _APART, _LEVEL, _BEHIND = 1e-3, 5e-3, 0.02, 0.1  # [m], [m], [rad], of a foot's length
+_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -126,10 +126,13 @@ def _foot(geometry: Geometry, foot: dict[str, float]) -> Iterator[str]:
         return
     places = ", ".join(f"{name} {value:.3f}" for name, value in foot.items())
     yield f"foot: in the model {places} m"
-    for name in sorted(foot.keys() - {"width"}):
-        value = geometry.hip[1] if name == "y" else getattr(geometry, name)
-        if abs(value - foot[name]) > _APART:
-            yield f"remark: {name} of the foot line is {value:.3f} m, of the model {foot[name]:.3f}"
+    sole = geometry.sole
+    for name in sorted(foot.keys() - ({"width"} if sole is None else ())):
+        part = geometry if sole is None or name != "width" else sole
+        value = geometry.hip[1] if name == "y" else getattr(part, name)
+        if abs(value - foot[name]) > APART:
+            what = "foot line" if sole is None else "sole"
+            yield f"remark: {name} of the {what} is {value:.3f} m, of the model {foot[name]:.3f}"
 
 
 def _remarks(
@@ -173,8 +176,8 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
     marked = (*robot.geometry.axes.order, "ankle")
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
     foot_style = {"color": MIDDLE, "alpha": 0.25, "linewidth": 0}
-    wide = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
-    foot = np.array([[-robot.geometry.heel, -wide, sole], [robot.geometry.toe, wide, sole]])
+    half = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
+    foot = np.array([[-robot.geometry.heel, -half, sole], [robot.geometry.toe, half, sole]])
     with style():
         figure = new_figure(4.5)
         panels = figure.subplots(1, 2, sharey=True)
@@ -182,9 +185,9 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
             for side, colour in (("right", LIGHT), ("left", DARK)):
                 axes = {name: data.joint(f"{side}_{name}").xanchor for name in robot.joints}
                 chain, top = [base, *(axes[name] for name in marked)], [axes["hip_pitch"]]
-                if "upper_foot" in axes and robot.geometry.knee is None:
-                    top.append(axes["upper_foot"])
-                if robot.geometry.knee is not None:
+                if robot.geometry.knee is None:
+                    top.append(axes.get("upper_foot", axes["hip_pitch"]))
+                else:
                     chain.insert(-1, axes["slide"])
                     panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:

@@ -70,15 +70,15 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
 
 
 def without_absent(robot: Any) -> None:
-    """Drop drives, gains and tags of what is null, such as a capstan, from a robot without it.
+    """Drop joints that are null, and drives, gains and tags of what is, such as a capstan.
 
     They come from the robot that a file builds on: no file can delete a key.
     """
     if not isinstance(robot, dict):
         return
-    absent = {name for name, value in robot.items() if value is None}
-    if "sole" in (geometry := robot.get("geometry") or {}):
-        absent.add("ankle_roll" if geometry["sole"] is None else "upper_foot")
+    joints = robot.get("joints")
+    parts = robot | (joints if isinstance(joints, dict) else {})
+    absent = {name for name, value in parts.items() if value is None}
     for name in ("joints", "drives", "gains", "provenance"):
         if isinstance(values := robot.get(name), dict):
             kept = {k: v for k, v in values.items() if absent.isdisjoint(str(k).split("."))}

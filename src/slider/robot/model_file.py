@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import from_dict
-from slider.config.robot import HIP_JOINTS, Body
+from slider.config.robot import HIP_JOINTS, LINKS, SOLE_LINKS, Body
 from slider.core.errors import require
 from slider.robot.model_compile import compiled
 from slider.robot.model_motors import drives
@@ -29,6 +29,7 @@ from slider.robot.model_tree import (
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
 _AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
+APART = 5e-3  # of a foot's middle from its line, or from the axis of the roll [m]
 
 
 @dataclass(frozen=True)
@@ -80,23 +81,25 @@ def read_model(
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
-    _check_side(lateral, leg, foot)
-    if not shape and roles.foot_y is None:
+    _check_side(lateral, leg[tree.last], foot)
+    if not shape and roles.foot_y is None and not tree.has_sole:
         other = (left if leg is right else right)["ankle"].place[1]
         tree.remarks.append(
             f"no geometry of a foot that can be read: its line is at the ankle's anchor, y = "
             f"{lateral:.3f} m ({other:.3f} on the other side); roles.foot_y types it"
         )
-    axis = leg["ankle_roll"].place if tree.has_soles else None  # along x: it says where the foot is
     line = roles.foot_y if roles.foot_y is not None else foot.get("y") or lateral
-    line = line if axis is None else float(axis[1])
+    if tree.has_sole:
+        middle, line = line, leg["ankle_roll"].place[1]
+        expected = f"an axis within {APART:g} m of the foot's middle, y = {middle:.3f} m"
+        within = abs(line - middle) <= APART or not (shape or roles.foot_y is not None)
+        require(within, "robot.roles.joints.ankle_roll", expected, f"y = {line:.3f} m")
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
         places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
-    links: dict[str, Any] = {"upper_foot": None, "talus": None}
-    links["base"] = _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT
-    below = tree.links
+    links = {"base": _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT}
+    below = SOLE_LINKS if tree.has_sole else LINKS
     links |= dict.fromkeys(below.values(), _LIGHT)
     heavy = {name: part.body for name, part in leg.items() if part.body.mass > LEAST_MASS}
     links |= {below[name]: _values(body, places[name]) for name, body in heavy.items()}
@@ -105,22 +108,20 @@ def read_model(
     if light:
         tree.remarks.append(f"no mass in the model, 1 g here: {', '.join(light)}")
     joints = {name: part.joint for name, part in leg.items()}
-    joints |= {n: joint for n, joint in OPTIONAL_JOINTS.items() if n in below.keys() - leg.keys()}
+    joints |= {name: joint for name, joint in OPTIONAL_JOINTS.items() if name not in leg}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
-    robot |= {"virtual_knee": None} if tree.has_knee or tree.has_soles else {}
-    robot |= {"capstan": None} if tree.has_knee else {}
+    robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
+    if tree.has_sole:
+        robot |= {"virtual_knee": None}
+        robot |= {name: robot[name] | {"upper_foot": None} for name in ("links", "joints")}
     if shape and abs(tilt := shape.tilt()) > _LEVEL:
         text = f"turn the ankle by {tilt:.2f} rad about y"
         tree.remarks.append(f"the model's sole is not level in roles.pose: {text}")
         foot = {name: foot[name] for name in ("y", "width")}
     ends = {name: rounded(foot[name]) for name in ("ankle_height", "toe", "heel") if name in foot}
     robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
-    robot["geometry"]["sole"] = None
-    if axis is not None:
-        height = typed.get("geometry.ankle_height", ends.get("ankle_height"))
-        known = {"roll_height": height and height + axis[2] - leg["ankle"].place[2]}
-        known["width"] = foot.get("width")
-        robot["geometry"]["sole"] = {name: rounded(v) for name, v in known.items() if v}
+    if tree.has_sole:
+        robot["geometry"]["sole"] = _sole(places, foot, typed)
     values, motors = drives(tree.motors(int(leg is right), speeds), typed)
     robot |= values
     told = tree.foot_rotation(), tree.solved, tree.remarks
@@ -135,7 +136,8 @@ def _compare(
     differences, length = {}, tree.reach
     for name, part in left.items():
         other = right[name]
-        differences[f"{tree.links[name]} links"] = _difference(other.body, part.body, length)
+        link = (SOLE_LINKS if tree.has_sole else LINKS)[name]
+        differences[f"{link} links"] = _difference(other.body, part.body, length)
         away = other.place - part.place
         across = away - (away @ part.axis) * part.axis  # no matter where on the axis
         apart = 0.0 if name == "slide" and not tree.has_knee else relative(across, length)
@@ -153,10 +155,10 @@ def _compare(
     return differences[worst], worst
 
 
-def _check_side(lateral: float, leg: Mapping[str, Part], foot: Mapping[str, float]) -> None:
-    """Refuse a left leg on the right, with the cause as the foot tells it."""
-    ankle, heavy = leg["ankle"], leg["ankle"].body.mass > LEAST_MASS
-    ahead = foot["toe"] - foot["heel"] if foot else (ankle.body.com - ankle.place)[0] * heavy
+def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
+    """Refuse a left leg on the right, with the cause as the foot, below ``last``, tells it."""
+    heavy = last.body.mass > LEAST_MASS
+    ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
     cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
     if abs(ahead) > _AHEAD:
         cause = "the base looks along −x: roles.forward: -x"
@@ -197,20 +199,32 @@ def _geometry(
     return geometry
 
 
+def _sole(
+    places: Mapping[str, np.ndarray], foot: Mapping[str, float], typed: Mapping[str, Any]
+) -> dict[str, float]:
+    """Height of the roll's axis and width; what the robot's file types comes first."""
+    keys = {"geometry.ankle_height": "ankle_height", "geometry.sole.width": "width"}
+    found = {key: foot[name] for key, name in keys.items() if name in foot} | dict(typed)
+    for key in keys:
+        expected = "a number in the robot's file, or the geometry of a level sole"
+        require(isinstance(found.get(key), int | float), f"robot.{key}", expected, "neither")
+    height = found["geometry.ankle_height"] + (places["ankle_roll"] - places["ankle"])[2]
+    return {"roll_height": rounded(height), "width": rounded(found["geometry.sole.width"])}
+
+
 def _origins(leg: Mapping[str, Part], has_knee: bool, line: float) -> dict[str, np.ndarray]:
     """Of the joints' frames; a slide's is the pitch's, and all from there have the foot line's y.
 
     The yaw of a machine that lacks it is on the roll axis.
     """
     places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
-    if "ankle_roll" in leg:
-        places["ankle_roll"] = leg["ankle_roll"].place.copy()
     for name in ("hip_pitch", "slide", "ankle", "upper_foot"):  # no matter where on their axes
         if part := leg.get("hip_pitch" if name == "slide" and not has_knee else name):
             places[name] = part.place + part.axis * (line - part.place[1]) / part.axis[1]
             places[name][1] = line
-    if "ankle_roll" in leg:
-        places["ankle_roll"][0] = places["ankle"][0]
+    if roll := leg.get("ankle_roll"):
+        ahead = (places["ankle"] - roll.place)[0]
+        places["ankle_roll"] = roll.place + roll.axis * ahead / roll.axis[0]
     return places
 
 

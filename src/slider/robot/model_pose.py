@@ -25,7 +25,7 @@ class LegPose:
     """A leg of a compiled model, whose joints (by role) it moves; ``base`` is a body.
 
     ``forward`` (3, 3) turns the base's axes into ours, ``line`` is the foot line's y in them [m],
-    by default that of the ankle's anchor.
+    by default that of the anchor of the ankle, or of its roll.
     """
 
     def __init__(
@@ -40,6 +40,7 @@ class LegPose:
     ) -> None:
         self._model, self._data, self._base, self._joints = model, data, base, joints
         self._knee, self._forward, self._line = knee, forward, line
+        self._last = "ankle_roll" if "ankle_roll" in joints else "ankle"
         zero = mujoco.MjData(model)
         mujoco.mj_kinematics(model, zero)
         self._level = self._foot(zero)
@@ -93,8 +94,7 @@ class LegPose:
 
     def _foot(self, data: Any) -> np.ndarray:
         """Rotation (3, 3) of the foot in the base's frame."""
-        last = "ankle_roll" if "ankle_roll" in self._joints else "ankle"
-        foot = self._model.jnt_bodyid[self._joints[last]]
+        foot = self._model.jnt_bodyid[self._joints[self._last]]
         base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
         return self._forward @ base.T @ own
 
@@ -110,7 +110,7 @@ class LegPose:
     def _on_line(self, name: str) -> np.ndarray:
         """The point (3,) of a joint's axis with the foot line's y."""
         place, axis = self._seen(name)
-        line = self._seen("ankle")[0][1] if self._line is None else self._line
+        line = self._seen(self._last)[0][1] if self._line is None else self._line
         return place + axis * (line - place[1]) / axis[1]
 
     def _sides(self) -> tuple[np.ndarray, np.ndarray]:

@@ -38,7 +38,7 @@ OPTIONAL_JOINTS = {
     "upper_foot": LOCKED | {"armature": 0.001},
 }
 """Joints that a machine may lack, and the narrow ones of light links that take their place."""
-AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
+AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
     "hip_yaw": (0.0, 0.0, 1.0),
     "hip_roll": (1.0, 0.0, 0.0),
     "ankle_roll": (1.0, 0.0, 0.0),
@@ -59,7 +59,7 @@ class Roles(t.Group):
     Attributes:
         base: name of a body.
         joints: left and right joint of each role, null for a role that the machine lacks;
-            ``ankle_roll`` in place of an upper foot.
+            ``ankle_roll`` in the place of ``upper_foot`` where the foot has a sole.
         pose: positions of joints that count as zero or are held there. What is not typed, or does
             not fit, is solved: soles level as in the model's own zero, ankles below the hips.
         bend: angle of the knees in the pose from straight legs [rad]; null: the typed one, the
@@ -67,7 +67,7 @@ class Roles(t.Group):
         side: leg to take where the two differ.
         forward: direction of the base's frame in which the robot walks.
         foot_y: place of the left foot's line in the base's frame; by default the middle of the
-            foot's geometry, else the ankle's anchor.
+            foot's geometry, else the ankle's anchor; with a sole that of the ankle's roll.
         tolerance: difference of left and right that is accepted; relative, of places by the
             leg's length.
     """
@@ -96,19 +96,21 @@ class ModelTree:
 
     def __init__(self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = ()) -> None:
         self.has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
-        self.has_soles = "ankle_roll" in self._joints
-        self._foot = "ankle_roll" if self.has_soles else "ankle"
+        self.has_sole = "ankle_roll" in self._joints
         self._typed, self._tolerance, self.remarks = typed, roles.tolerance, list[str]()
         self._model, self._data = model, mujoco.MjData(model)
         self._roles = {index for pair in self._joints.values() for index in pair}
         self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
+        self.order, other = (self._hip_order(side) for side in range(2))
+        text = f"one order of both hips ({', '.join(self.order)})"
+        require(self.order == other, "robot.roles.joints", text, ", ".join(other))
         self._zero, self.solved = self._pose(roles.pose), dict[str, float]()
         along, across = np.cos(_TURNS[roles.forward]), np.sin(_TURNS[roles.forward])
         forward = np.array([[along, -across, 0.0], [across, along, 0.0], [0.0, 0.0, 1.0]])
         for side in range(2):
             joints = {name: pair[side] for name, pair in self._joints.items()}
-            line = None if roles.foot_y is None else roles.foot_y * (1 - 2 * side)
+            line = None if roles.foot_y is None or self.has_sole else roles.foot_y * (1 - 2 * side)
             leg = LegPose(model, self._data, self._base, joints, self.has_knee, forward, line)
             names = {name: model.joint(index).name for name, index in joints.items()}
             typed = [name for name in joints if names[name] in roles.pose]
@@ -126,9 +128,6 @@ class ModelTree:
             self.remarks.append(f"ignored frictionloss of {names}")
         if ignored := self._check_constraints():
             self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
-        self.order, other = (self._hip_order(side) for side in range(2))
-        text = f"one order of both hips ({', '.join(self.order)})"
-        require(self.order == other, "robot.roles.joints", text, ", ".join(other))
 
     def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
         """Positions (njnt,) that count as zero."""
@@ -231,11 +230,9 @@ class ModelTree:
         return hip
 
     @property
-    def links(self) -> dict[str, str]:
-        """The link below each joint of a leg."""
-        last = "ankle_roll" if self.has_soles else "upper_foot"
-        names = (*HIP_JOINTS, "slide", "ankle", last)
-        return {name: (SOLE_LINKS if self.has_soles else LINKS)[name] for name in names}
+    def last(self) -> str:
+        """Role of the joint that moves the foot."""
+        return "ankle_roll" if self.has_sole else "ankle"
 
     @property
     def reach(self) -> float:
@@ -262,7 +259,7 @@ class ModelTree:
 
     def foot(self, side: int) -> Foot:
         """Geometry of a side's foot in the base's frame."""
-        bodies = np.flatnonzero(self._owners == self._joints[self._foot][side])
+        bodies = np.flatnonzero(self._owners == self._joints[self.last][side])
         return Foot(self._data, bodies, self._origin, self._turn)
 
     def motors(self, side: int, speeds: Mapping[str, float]) -> dict[str, Any]:
@@ -322,7 +319,7 @@ class ModelTree:
 
     def foot_rotation(self) -> float:
         """Angle of the left foot between the pose and the model's own zero [rad]."""
-        foot = self._model.jnt_bodyid[self._joints[self._foot][0]]
+        foot = self._model.jnt_bodyid[self._joints[self.last][0]]
         posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
         rest = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, rest)
@@ -405,9 +402,9 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
         expected = f"null with a {_KNEE}"
         require(table.get("upper_foot") is None, f"{key}.upper_foot", expected, "joints")
         table["slide"] = table.pop(_KNEE)
-    names = set(LINKS) if "ankle_roll" not in table else set(SOLE_LINKS) - {"upper_foot"}
     expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide, ankle_roll of upper_foot"
-    require(set(table) == names, key, expected, ", ".join(roles.joints))
+    wanted = set(SOLE_LINKS) - {"upper_foot" if "ankle_roll" in table else "ankle_roll"}
+    require(set(table) == wanted, key, expected, ", ".join(roles.joints))
     lacks = [
         name for name, pair in roles.joints.items() if pair is None and name not in OPTIONAL_JOINTS
     ]

@@ -10,6 +10,7 @@ from slider.robot.transmission import Transmission
 from tests.config.composed import composed
 from tests.env.synthetic import JOINTS, MOTORS
 from tests.robot.lopsided import kneed
+from tests.robot.soled import with_soles
 
 ROBOT = composed().robot
 
@@ -146,3 +147,10 @@ def test_the_friction_of_legs_is_the_feets(model):
     assert model.npair == len(names.LEG_PAIRS) + len(names.BASE_PAIRS)
     np.testing.assert_array_equal(model.pair_friction[:, :2], 0.75)
     np.testing.assert_array_equal(model.pair_dim, 3)
+
+
+def test_a_leg_with_a_sole_has_no_upper_foot():
+    model = build_model(with_soles(ROBOT, 0.05, 0.04), SimulationOptions())
+    for side in names.SIDES:
+        assert model.geom(f"{side}_upper_foot").rbound < 0.01
+        assert model.geom(names.foot(side)).size[1] == 0.025

@@ -206,7 +206,7 @@ class Geometry(t.Group):
     heel: t.Positive[t.Metres]
     """ankle axis to the rear end of the foot line"""
     foot_radius: t.Positive[t.Metres]
-    """half of a line foot's width, or of the spheres at the corners of a sole"""
+    """half of a line foot's width, or of a sole's thickness"""
     upper_foot_height: t.Positive[t.Metres]
     """upper foot axis above the hip pitch axis at slide = 0, or above the knee"""
     tube_radius: t.Positive[t.Metres]

@@ -12,8 +12,10 @@ from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.names import LAST_JOINTS, LEG_SIZE, NUM_CHANNELS, NUM_JOINTS, SIDES
 
-_WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0}
-_WEIGHTS |= {"ankle": 0.5, "ankle_roll": 0.5}
+_WEIGHTS = {
+    **{"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0},
+    **{"slide": 40.0, "ankle": 0.5, "ankle_roll": 0.5},
+}
 _KNEE_WEIGHT = 1.0
 _ACTIVE = np.setdiff1d(np.arange(NUM_CHANNELS), [*LAST_JOINTS, *np.add(LAST_JOINTS, NUM_JOINTS)])
 

@@ -51,8 +51,9 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     """Evaluate all nodes of both steps and undo the second step's reflection."""
     nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
     values = [np.array(v).T for v in problem.functions["quantities"].map(len(nodes))(nodes.T)]
-    q, v, torques, efforts, rotation, position, velocity, angular, force, moment, *last = values
-    swing, rolls = last[0], last[1].reshape(-1, 3, 2)
+    q, v, torques, efforts, *values = values
+    rotation, position, velocity, angular, force, moment, swing, rolls = values
+    rolls = rolls.reshape(-1, 3, 2)
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.layout.nodes, None)
     for joints in (q, v, torques, efforts):

@@ -14,9 +14,8 @@ import numpy as np
 from slider.config.robot import Geometry, Mechanism
 from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, NUM_JOINTS, mirror_sign
 
-_PITCH, _KNEE, _ANKLE = (
-    np.s_[..., k::LEG_GAIT_JOINTS] for k in (2, 3, 4)
-)  # pitch is last of the hip
+# The pitch is the last of the hip.
+_PITCH, _KNEE, _ANKLE = (np.s_[..., k::LEG_GAIT_JOINTS] for k in (2, 3, 4))
 _SAGITTAL = _PITCH, _ANKLE, _KNEE
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]

@@ -175,7 +175,7 @@ def _add_leg(
         upper = _add_link(upper, robot, side, joint)
     height = geometry.ankle_height - geometry.foot_radius
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
-    if geometry.knee is not None:
+    if geometry.knee is not None or geometry.sole is not None:  # it has no upper foot
         line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
     line.conaffinity = 0  # far above the ground
 

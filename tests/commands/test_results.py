@@ -116,7 +116,7 @@ def test_the_summary_has_lower_rates_and_the_papers_error():
     Path("reports/table1.csv").write_text(HEAD + ours + printed)
     shown = filled("summary")[6:9]
     heading = "| Velocity MSE after the warm-up [m²/s²] |"
-    assert shown[0] == f"{heading} ours | 0.00271 (99.6 % survive, 90 % track) |"
+    assert shown[0] == f"{heading} ours | **0.00271** (99.6 % survive, 90 % track) |"
     assert shown[1] == "|  | HZD | 0.500 |"
     assert shown[2] == "|  | guided RL (paper) | 0.0317 (73.1 % survive) |", "it prints no tracking"
 
@@ -129,7 +129,7 @@ def test_the_overview_has_median_and_range_of_the_trainings(capsys):
     Path("reports/seeds.csv").write_text("v\n")
     Path("reports/seeds_runs.csv").write_text(RUNS)
     lines = filled("overview")
-    assert lines[6].endswith("| ours, median of 3 trainings | 0.000300 (90 % track) |")
+    assert lines[6].endswith("| ours, median of 3 trainings | **0.000300** (90 % track) |")
     assert lines[7:9] == ["|  | range | 0.000275–0.000421 |", "|  | HZD | 0.500 |"]
     assert lines[10].startswith("Made by `snakemake -j2 reports/table1.csv reports/seeds.csv`")
 

@@ -12,7 +12,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -193,29 +193,44 @@ def learning(report: Path) -> Table:
 
 def summary(report: Path) -> Table:
     """Error in Table 1; who survives and who tracks where that is not every robot."""
-    frame = read(report)
-    frame = frame[frame["controller"].isin(_SUMMARY)]
-    frame = frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
-    frame[_ERROR] = [_outcome(row) for row in frame.to_dict("records")]
-    return across("", "command [m/s]", "speed", [_ERROR], frame, ["label"], speed_text)
-
-
-def _outcome(row: Mapping[Hashable, Any]) -> str:
-    error = QUANTITIES[_ERROR].text(row["mse" if row["source"] == PAPER else _ERROR])
-    rates = [f"{QUANTITIES[n].text(row[n])} % {verb}" for n, verb in _RATES.items() if row[n] < 1.0]
-    return f"{error} ({', '.join(rates)})" if rates else error
+    return _errors(_summarised(report))
 
 
 def overview(report: Path) -> Table:
     """As the summary, with median and range of the policy over trainings of several seeds."""
-    table, runs = summary(report), read(report.with_name("seeds_runs.csv"))
-    speeds, text = runs.groupby("speed"), QUANTITIES[_ERROR].text
-    median = speeds[[*_RATES]].min().assign(**{_ERROR: speeds[_ERROR].median()}, source="")
-    ends = zip(map(text, speeds[_ERROR].min()), map(text, speeds[_ERROR].max()), strict=True)
-    (heading, label, *_), *others = table.rows
-    label = f"{label}, median of {runs['seed'].nunique()} trainings"
-    first = [heading, label, *map(_outcome, median.to_dict("records"))]
-    return table._replace(rows=[first, ["", "range", *map("–".join, ends)], *others])
+    frame, runs = _summarised(report), read(report.with_name("seeds_runs.csv"))
+    speeds, mine = runs.groupby("speed"), frame["controller"] == "policy"
+    values = speeds[[*_RATES]].min().assign(**{_ERROR: speeds[_ERROR].median()})
+    frame.loc[mine, [*values]] = values.loc[frame.loc[mine, "speed"]].to_numpy()
+    frame.loc[mine, "label"] += f", median of {runs['seed'].nunique()} trainings"
+    ends = (speeds[_ERROR].agg(end).map(QUANTITIES[_ERROR].text) for end in ("min", "max"))
+    (first, *others) = (table := _errors(frame)).rows
+    return table._replace(
+        rows=[first, ["", "range", *map("–".join, zip(*ends, strict=True))], *others]
+    )
+
+
+def _summarised(report: Path) -> pd.DataFrame:
+    frame = read(report)
+    frame = frame[frame["controller"].isin(_SUMMARY)].astype(dict.fromkeys(_RATES, float))
+    printed = frame["source"] == PAPER  # one error, without the warm-up or with it
+    frame[_ERROR] = frame[_ERROR].mask(printed, frame["mse"])
+    return frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
+
+
+def _errors(frame: pd.DataFrame) -> Table:
+    """Errors and rates; the least error of our robot at each command is bold."""
+    least = frame[frame["source"] != PAPER].groupby("speed")[_ERROR].min()
+    texts = []
+    for row in frame.to_dict("records"):
+        error = QUANTITIES[_ERROR].text(row[_ERROR])
+        error = f"**{error}**" if row[_ERROR] == least[row["speed"]] else error
+        rates = ", ".join(
+            f"{QUANTITIES[n].text(row[n])} % {verb}" for n, verb in _RATES.items() if row[n] < 1.0
+        )
+        texts.append(f"{error} ({rates})" if rates else error)
+    frame = frame.assign(**{_ERROR: texts})
+    return across("", "command [m/s]", "speed", [_ERROR], frame, ["label"], speed_text)
 
 
 def trainings(report: Path) -> Table:

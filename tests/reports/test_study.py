@@ -134,6 +134,7 @@ def test_tables_mark_what_differs_from_the_reference(out):
     text = (out / "ablation.md").read_text()
     assert "| as it is | 0.150 (0.100–0.200) | 0.150 (0.100–0.200) |" in text
     assert r"| hard | 0.350 (0.300–0.400) \* | ∞ (0.300–∞) |" in text
+    assert "| as it is | 0.750 (0.500–1.00) |" in text  # samples until a training walks
 
 
 # Cost of the gaits of two variants, and of random starts; None: IPOPT fails; negative: a residual

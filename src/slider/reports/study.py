@@ -33,8 +33,6 @@ STATISTICS = (
     *("count", "mean", "std", "least", "greatest", "low", "high"),
     *("change", "change_low", "change_high", "relative_change"),
 )
-_GIVEN = {"success_rate": ("success_low", "success_high")}
-"""Metric → its own interval, over the robots of one run."""
 _EITHER = ("converged", "reaches_best")
 """Metrics that a run has or has not, whose interval is a proportion's."""
 _CHECKS = ("success", "speed_error", "flight")
@@ -54,10 +52,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     title, parts, drawn = name.replace("_", " ").capitalize(), [*blocks(name, summary)], None
     if "walking" in inputs:
         tables.write(curves, out / f"{name}_curves.csv")
-        shown = strongest(summary).dropna(subset="metric")
-        drawn = partial(
-            figure.draw, curves, dict(zip(shown["variant"], shown["label"], strict=True))
-        )
+        shown = strongest(summary).dropna(subset="metric").set_index("variant")["label"]
+        drawn = partial(figure.draw, curves, shown.to_dict())
         parts.insert(1, picture(name))
     report.write(out / name, title, section["robot"], summary, drawn, parts)
     return {"runs": len(runs), "variants": len(section["variants"])}
@@ -116,16 +112,14 @@ def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
     return gaits if section["same_cost"] is None else _with_optima(gaits, section["same_cost"])
 
 
-_OF_REPORT = ("cost", "gait_transport", "base_height")
-
-
 def _outcome(report: dict[str, Any], limit: float) -> dict[str, Any]:
     converged, residuals = acceptable(report, limit), report["residuals"]
+    found = ("cost", "gait_transport", "base_height")
     return {
         "converged": float(converged),
         "status": report["status"],
         "iterations": float(report["iterations"]),
-        **{name: report[name] if converged else np.nan for name in _OF_REPORT},
+        **{name: report[name] if converged else np.nan for name in found},
         "torque_cost": np.nan,
         "max_violation": report["max_violation"],
         "worst_constraint": max(residuals, key=residuals.__getitem__),
@@ -177,10 +171,9 @@ def _statistics(metric: str, runs: pd.DataFrame) -> dict[str, float]:
     std, low, high = _spread(values)
     if metric in _EITHER and len(values) > 1:
         low, high = wilson(int(values.sum()), len(values))
-    elif len(values) == 1 and metric in _GIVEN:
-        low, high = (float(runs[name].iloc[0]) for name in _GIVEN[metric])
-    edges = values.min(), values.max()
-    row = (len(values), values.mean(), std, *edges, low, high)
+    elif len(values) == 1 and metric == "success_rate":  # of the robots of the run
+        low, high = runs[["success_low", "success_high"]].iloc[0]
+    row = (len(values), values.mean(), std, values.min(), values.max(), low, high)
     return dict(zip(STATISTICS, row, strict=False))
 
 
@@ -245,12 +238,11 @@ def _variants(summary: pd.DataFrame) -> Table:
 
 
 def _table(metric: Quantity, summary: pd.DataFrame) -> Table:
-    speeds = list(summary["speed"].sort_values().unique())
+    speeds = summary["speed"].sort_values().unique()  # NaN of a training
     body = []
-    for _, mine in summary.groupby("variant", sort=False):
-        label = mine["label"].iloc[0]
-        cells = {row.speed: _cell(metric, row) for row in mine.itertuples()}
-        body.append([label, *(cells.get(v, NONE) for v in speeds)])
+    for (_, label), mine in summary.groupby(["variant", "label"], sort=False):
+        cells = pd.Series([_cell(metric, row) for row in mine.itertuples()], mine["speed"])
+        body.append([str(label), *cells.reindex(speeds, fill_value=NONE)])
     heads = ["variant", *(f"{speed_text(v)} m/s" if v == v else "training" for v in speeds)]
     return Table(heads, body, metric.heading)
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from scipy.integrate import cumulative_trapezoid
 
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
+from slider.reports.figures.style import DARK, EMPTY, MIDDLE, new_figure
 from slider.robot import knee_map
 from slider.robot.names import EXTENSION, LEG_GAIT_JOINTS
 
@@ -28,7 +27,6 @@ def draw(library: GaitLibrary) -> Figure:
         figure = new_figure(0.5)
         figure.text(0.5, 0.5, _NO_MAP, ha="center", va="center")
         return figure
-    used = flexions(library)
     figure = new_figure(2.6)
     theta = np.linspace(0.0, _STOP, 351)
     errors = map_errors(theta, knee.thigh_length, knee.shank_length)
@@ -38,13 +36,11 @@ def draw(library: GaitLibrary) -> Figure:
     for axes, (title, unit, curves) in zip(panels, _PANELS, strict=True):
         for (name, label), (colour, dash) in zip(curves.items(), _LOOKS, strict=False):
             axes.plot(theta, errors[name], dash, color=colour, label=label)
+        axes.axvspan(*flexions(library), color=EMPTY, zorder=0)
         axes.set(title=f"{title} error", ylabel=f"printed − exact [{unit}]")
-        axes.axvspan(*used, color=EMPTY, zorder=0)
-        axes.set_xlabel("knee flexion θ [rad]")
-        axes.set_xlim(0.0, _STOP)
-    handles, labels = panels[0].get_legend_handles_labels()
-    used_range = Patch(facecolor=EMPTY, edgecolor=LIGHT)
-    panels[0].legend([*handles, used_range], [*labels, "θ in the library"])
+        axes.set(xlabel="knee flexion θ [rad]", xlim=(0.0, _STOP))
+    panels[0].patches[0].set_label("θ in the library")
+    panels[0].legend()
     panels[1].margins(y=0.3)
     panels[1].legend(loc="upper center", fontsize=7)
     return figure
@@ -60,7 +56,7 @@ def caption(library: GaitLibrary) -> str:
     """What is printed, and how far it is off where the gaits of this library use it."""
     knee = library.robot.virtual_knee
     if knee is None:
-        return f"{_NO_MAP}\n"
+        return _NO_MAP
     theta = np.linspace(*flexions(library), 200)
     errors = map_errors(theta, knee.thigh_length, knee.shank_length)
     worst = {name: float(np.abs(error).max()) for name, error in errors.items()}
@@ -71,7 +67,7 @@ def caption(library: GaitLibrary) -> str:
         f"{worst['ankle']:.3f} rad (ankle), and the printed slide velocity by up to "
         f"{worst['slide_rate']:.3f} m/rad (slide speed per knee speed). "
         "The printed length itself is exact; dashed is the position that one gets by adding up "
-        f"the printed velocities from θ = {_START:g} rad on.\n"
+        f"the printed velocities from θ = {_START:g} rad on."
     )
 
 
@@ -79,13 +75,9 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
     """Printed minus exact at knee flexions (N,) [rad].
 
     Returns:
-        ``hip``, ``ankle`` [rad] and ``slide`` [m] of positions; ``hip_rate``, ``ankle_rate``
-        [rad/rad] and ``slide_rate`` [m/rad] of velocities per knee speed.
+        ``hip``, ``ankle`` [rad] and ``slide`` [m]; ``slide_rate`` [m/rad] per knee speed.
     """
     printed, exact = (knee_map.triangle(theta, l1, l2, name) for name in ("paper", "exact"))
-    hip, ankle = (mine - its for its, mine in zip(printed.shifts, exact.shifts, strict=True))
-    rates = [mine - its for its, mine in zip(printed.rates, exact.rates, strict=True)]
-    return {
-        **{"hip": hip, "ankle": ankle, "slide": printed.length - exact.length},
-        **{"hip_rate": rates[0], "ankle_rate": rates[1], "slide_rate": -rates[2]},
-    }
+    hip, ankle = np.subtract(exact.shifts, printed.shifts)  # by which the joints are less
+    slide, slide_rate = printed.length - exact.length, printed.rates[2] - exact.rates[2]
+    return {"hip": hip, "ankle": ankle, "slide": slide, "slide_rate": slide_rate}

@@ -1,14 +1,16 @@
 """The stage ``figures``: pictures of the gait library, each with a caption beside it."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports.figures import gaits, mapping, maps, zero_dynamics
-from slider.reports.figures.style import write_figure
+from slider.reports.figures.style import write_pictures
 
 Caption = str | Callable[[GaitLibrary], str]
 DRAWINGS: dict[str, tuple[str, Callable[[GaitLibrary], Figure], Caption]] = {
@@ -34,6 +36,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = GaitLibrary.load(inputs["library"][0] / STORE).straight
     for name, (title, draw, caption) in DRAWINGS.items():
         job.progress(name)
-        text = caption if isinstance(caption, str) else caption(library)
-        write_figure(out / name, title, lambda draw=draw: draw(library), text)
+        write_pictures(out / name, partial(draw, library))
+        parts = [f"# {title}", f"![{title}]({name}.svg)"]
+        parts.append(caption if isinstance(caption, str) else caption(library))
+        (out / f"{name}.md").write_text(tables.markdown(parts), encoding="utf-8")
     return {"figures": len(DRAWINGS)}

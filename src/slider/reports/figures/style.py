@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 
 COLOURS = "viridis"
@@ -64,13 +65,6 @@ def legend_above(figure: Figure, *handles_and_names: Any) -> None:
     figure.legend(*handles_and_names, loc="outside upper center", ncols=3)
 
 
-def write_figure(stem: Path, title: str, draw: Callable[[], Figure], caption: str) -> None:
-    """Write ``stem``.svg and .md; ``draw`` is called in the common style."""
-    write_pictures(stem, draw)
-    text = f"# {title}\n\n![{title}]({stem.name}.svg)\n\n{caption}"
-    stem.with_name(f"{stem.name}.md").write_text(text, encoding="utf-8")
-
-
 def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
     """Write ``stem``.svg; ``draw`` is called in the common style."""
     with style():
@@ -79,19 +73,14 @@ def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
             figure.draw_without_rendering()
         figure.set_layout_engine("none")
         _round_layout(figure)
-        path = stem.with_name(f"{stem.name}.svg")
-        figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(
+            stem.with_suffix(".svg"), format="svg", metadata={"Date": None, "Creator": None}
+        )
 
 
 def _round_layout(figure: Figure) -> None:
     """The layout's solver leaves rounding errors that differ from run to run; files must not."""
     for axes in figure.axes:
-        left, bottom, width, height = axes.get_position(original=True).bounds
-        axes.set_position((_round(left), _round(bottom), _round(width), _round(height)))
+        axes.set_position(np.round(axes.get_position(original=True).bounds, _DIGITS).tolist())
     for text in figure.texts:
-        x, y = text.get_position()
-        text.set_position((_round(x), _round(y)))
-
-
-def _round(value: float) -> float:
-    return round(float(value), _DIGITS)
+        text.set_position(np.round(text.get_position(), _DIGITS).tolist())

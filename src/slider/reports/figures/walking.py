@@ -38,18 +38,14 @@ def draw_overview(frame: pd.DataFrame) -> Figure:
     for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
         mine = mine.sort_values("speed")
         printed = mine["source"].iloc[0] == PAPER
-        look = {
-            "color": DARK if printed else colour(index),
-            "linestyle": ":" if printed else _DASHES[index % 2],
-            "marker": _MARKERS[index % len(_MARKERS)],
-            "markersize": 4,
-        }
+        look = _look(index) | {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4}
+        if printed:
+            look |= {"color": DARK, "linestyle": ":"}
         success.plot(mine["speed"], 100 * mine["success_rate"], label=label, **look)
         errors.plot(mine["speed"], _finite(mine["mse" if printed else "mse_steady"]), **look)
-    success.set(ylabel="success rate [%]", ylim=(-4, 104))
-    errors.set(ylabel="velocity MSE [m²/s²]", yscale="log")
-    for axes in (success, errors):
-        axes.set_xlabel("commanded speed [m/s]")
+    speed = "commanded speed [m/s]"
+    success.set(xlabel=speed, ylabel="success rate [%]", ylim=(-4, 104))
+    errors.set(xlabel=speed, ylabel="velocity MSE [m²/s²]", yscale="log")
     legend_above(figure)
     figure.set_layout_engine("constrained", w_pad=_MARGIN)
     return figure
@@ -62,7 +58,7 @@ def draw_tradeoff(frame: pd.DataFrame) -> Figure:
     for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
         mine = mine[np.isfinite(mine["mse_steady"])].sort_values("speed")
         place = mine[["cost_of_transport", "mse_steady"]]
-        look = {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4, **_look(index)}
+        look = _look(index) | {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4}
         axes.plot(*place.to_numpy().T, label=label, **look)
         for speed, point in zip(mine["speed"], place.to_numpy(), strict=True):
             near = {"textcoords": "offset points", "xytext": (4, 2), "color": look["color"]}

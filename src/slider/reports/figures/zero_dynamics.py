@@ -79,7 +79,7 @@ def caption(library: GaitLibrary) -> str:
         "swing foot touches the ground; contact depends on positions alone, so S is upright. The "
         "orbit crosses S ∩ Z, and the impact Δ takes it to the start of the next step, where the "
         "legs have changed names. Z ends at the touchdown; where that is later than the gait's, "
-        "the joints' polynomials go on.\n"
+        "the joints' polynomials go on."
     )
 
 
@@ -104,9 +104,9 @@ def portrait(gait: Gait, joint: str) -> Portrait:
 
 def touchdown(gait: Gait, roll: np.ndarray) -> np.ndarray:
     """Phase (R,) at which the swing foot comes down to the ground, by roll (R,) [rad]; or NaN."""
-    heights = np.stack([swing_height(gait, angle, _TOUCHDOWNS) for angle in roll])
     phase = np.full(len(roll), np.nan)
-    for index, height in enumerate(heights):
+    for index, angle in enumerate(roll):
+        height = swing_height(gait, angle, _TOUCHDOWNS)
         down = np.flatnonzero((height[:-1] > 0) & (height[1:] <= 0))
         if len(down):
             at = slice(down[0], down[0] + 2)

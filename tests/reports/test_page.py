@@ -35,7 +35,7 @@ def test_a_report_is_shown_with_its_pictures(tmp_path):
     section = {"report": {"sections": ["sweep", "tracking"]}}
     page.run(section, {"sweep": [report]}, out, Job(out))
     shown = (out / page.PAGE).read_text()
-    assert '<img src="data:image/svg+xml,%3Csvg/%3E" alt="Sweep">' in shown
+    assert '<img src="data:image/svg+xml;base64,PHN2Zy8+" alt="Sweep">' in shown
     assert "<h3>MSE</h3>" in shown
     assert '<td class="number"><strong>0.1 ± 0.2</strong></td>' in shown
     assert "Speeds: sweep" not in shown, "the section's heading is in its place"
@@ -50,10 +50,9 @@ def test_films_are_within_the_page_and_say_how_the_robot_did(tmp_path):
         (tmp_path / name / ABOUT).write_text(json.dumps(facts))
         (tmp_path / name / FILM).write_bytes(b"film")
         (tmp_path / name / POSTER).write_bytes(b"poster")
-    inputs, images = {"videos": [tmp_path / "a", tmp_path / "b"]}, {}
-    section = {"report": {"video": {"renderer": "egl"}}}
-    parts = list(page.videos(section, inputs, tmp_path, Job(tmp_path), images))
-    shown = html("\n\n".join(parts), images)
+    inputs = {"videos": [tmp_path / "a", tmp_path / "b"]}
+    made = page.Page({}, inputs, tmp_path, Job(tmp_path))
+    shown = html("\n\n".join(page.videos(made)), made.files)
     assert "ours: walks at 0.00 m/s</figcaption>" in shown
     assert "ours: falls after 1.2 s</figcaption>" in shown
     assert shown.count('src="data:video/mp4;base64,ZmlsbQ=="') == 2

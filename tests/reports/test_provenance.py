@@ -4,7 +4,8 @@ from pathlib import Path
 
 from slider.core.job import Job
 from slider.core.tables import markdown
-from slider.reports.page import origins as provenance
+from slider.reports.page import Page
+from slider.reports.page import origins as origins_of
 from tests.reports.sources import tables
 
 OLD, NEW = "2026-01-01T00:00:00.000+00:00", "2026-01-02T00:00:00.000+00:00"
@@ -27,7 +28,7 @@ def section(origins, times):
     configuration = {"train": {"walking": {"seed": 3}}}
     job = Job(Path(), metadata=page, input_metadata=times)
     given = {"configuration": configuration, "origins": origins}
-    found = list(provenance(given, folders, Path(), job, {}))
+    found = list(origins_of(Page(given, folders, Path(), job)))
     head, *rows = tables(found[1:2])[""]
     assert head[0] == "stage"
     return rows, markdown(found)
@@ -49,7 +50,7 @@ def test_counts_what_this_pipeline_run_computed():
         ["evaluation of the baselines", "1", "0"],
     ]
     assert rows[0][-1] == "33333333+"
-    assert "Machine: one." in text
+    assert "one: gait library, evaluation of the policy, evaluation of the baselines." in text
 
 
 def test_results_from_before_this_was_recorded_say_so():
@@ -57,4 +58,4 @@ def test_results_from_before_this_was_recorded_say_so():
     times = {"library": [{}, metadata(OLD, "3333", machine="two")]}
     rows, text = section(origins, times)
     assert rows[0][-1] == "33333333, not\u00a0recorded"
-    assert "Machines: not\u00a0recorded (gait library); two (gait library)." in text
+    assert "not\u00a0recorded: gait library.\n\ntwo: gait library." in text

@@ -9,7 +9,7 @@ from pipeline.targets import report_files
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.env import observations, rewards
-from slider.reports.page import current_value, paper_statements, read_statements
+from slider.reports.page import Page, current_value, paper_statements, read_statements
 from tests.config.composed import CONF, composed
 from tests.reports.sources import tables
 
@@ -94,8 +94,7 @@ def test_the_papers_experiment_has_other_values():
 
 
 def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
-    given = {"configuration": to_dict(PAPER)}
-    shown = tables(paper_statements(given, {}, CONF, Job(CONF), {}))
+    shown = tables(paper_statements(Page({"configuration": to_dict(PAPER)}, {}, CONF, Job(CONF))))
     assert [*shown] == list(dict.fromkeys(row["part"] for row in read()))
     assert sum(len(table) - 1 for table in shown.values()) == len(read())
     values = {row[3]: row[-1] for table in shown.values() for row in table[1:]}

@@ -5,20 +5,17 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
-from markupsafe import Markup, escape
+from markupsafe import escape
 
 from slider.reports.video import FILM, POSTER
 
 _CELLS = ("th_open", "td_open")
-_NUMBER = re.compile(r"\W*(\d.*|∞.*)?")  # such as ``**0.1 ± 0.2**``, and what stands for none
-_WORD = re.compile(r"[^\W\d]{3}")
-_SAFE = " /:;=,.-_()!$*+@?[]{}'|^`~"
-"""Characters of an SVG that may stand in an address within double quotes."""
+# Such as ``**0.1 ± 0.2**``, and what stands for none; a number with a word is none.
+_NUMBER = re.compile(r"\W*([\d∞](?!.*[^\W\d]{3}).*)?")
 
 
 def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
@@ -30,9 +27,7 @@ def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    style = environment.get_template("page.css").render()
-    shown = {name: (heading, Markup(body)) for name, (heading, body) in sections.items()}
-    return environment.get_template("page.html").render(title=title, sections=shown, style=style)
+    return environment.get_template("page.html").render(title=title, sections=sections)
 
 
 def html(markdown: str, files: Mapping[str, Path]) -> str:
@@ -41,16 +36,15 @@ def html(markdown: str, files: Mapping[str, Path]) -> str:
     parser.add_render_rule("image", _image)
     parser.add_render_rule("table_open", _table)
     parser.add_render_rule("table_close", lambda *_: "</table></div>\n")
-    tokens = parser.parse(markdown)
-    for start, token, end in zip(tokens, tokens[1:], tokens[2:], strict=False):
-        kinds = {child.type for child in token.children or ()}
-        if start.type == "paragraph_open" and "image" in kinds <= {"image", "softbreak"}:
-            start.tag = end.tag = "div"
-            start.attrSet("class", "pictures")
-    opened = 0
+    tokens, opened = parser.parse(markdown), 0
     for index, token in enumerate(tokens):
         if token.type.startswith("heading"):
             token.tag = f"h{max(3, int(token.tag[1]) + 1)}"
+        elif token.type == "paragraph_open":
+            kinds = {child.type for child in tokens[index + 1].children or ()}
+            if "image" in kinds <= {"image", "softbreak"}:
+                token.tag = tokens[index + 2].tag = "div"
+                token.attrSet("class", "pictures")
         elif token.type == "table_open":
             opened = index
         elif token.type == "table_close":
@@ -65,8 +59,7 @@ def _align(tokens: Sequence[Token]) -> None:
     marked = 0
     for column in range(width):
         mine = cells[column::width]
-        texts = [text for _, text in mine[1:]]
-        if all(map(_NUMBER.fullmatch, texts)) and not any(map(_WORD.search, texts)):
+        if all(_NUMBER.fullmatch(text) for _, text in mine[1:]):
             marked += 1
             for token, _ in mine:
                 token.attrSet("class", "number")
@@ -91,7 +84,5 @@ def _image(self, tokens: Sequence[Token], index: int, options, env) -> str:
 
 
 def data_address(path: Path, kind: str) -> str:
-    """A file as a ``data:`` address of a media type; texts are shorter without base64."""
-    if kind == "image/svg+xml":
-        return f"data:{kind},{quote(path.read_text(encoding='utf-8'), safe=_SAFE)}"
+    """A file as a ``data:`` address of a media type."""
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

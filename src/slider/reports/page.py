@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from itertools import groupby
@@ -33,64 +34,79 @@ _TRAININGS = {
     "untuned": "Walking, before fine-tuning",
     "walking": "Walking",
 }
-_NO_RENDERER = (
-    "No videos: this machine renders neither with EGL nor with OSMesa. Install one of them (on "
-    "Debian `libegl1 libegl-mesa0` or `libosmesa6`) and build the page again."
+_NO_VIDEOS = (
+    "No videos: `report.video` asks for none, or this machine renders neither with EGL nor with "
+    "OSMesa (on Debian `libegl1 libegl-mesa0` or `libosmesa6`)."
 )
-Files = dict[str, Path]
-"""Pictures and films by their names in a text."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """What sections are written from; ``files`` are their pictures and films by name."""
+
+    section: Section
+    inputs: Inputs
+    out: Path
+    job: Job
+    files: dict[str, Path] = field(default_factory=dict)
+
+    def draw(self, name: str, figure: Callable[[], Figure]) -> str:
+        """Draw ``name``.svg beside the page, and show it."""
+        write_pictures(self.out / name, figure)
+        self.files[name] = self.out / f"{name}.svg"
+        return f"![{name}]({name})"
+
+    def films(self) -> list[dict[str, Any]]:
+        """What each video shows, with its name among the files and a caption."""
+        films = []
+        for index, folder in enumerate(self.inputs.get("videos", ())):
+            about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+            fate = f"walks at {about['mean_velocity']:z.2f} m/s"
+            if about["fell_at"] is not None:
+                fate = f"falls after {about['fell_at']:.1f} s"
+            about |= {"name": f"film_{index}", "caption": f"{about['label']}: {fate}"}
+            self.files[about["name"]] = folder / FILM
+            films.append(about)
+        return films
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``index.html`` with the configured sections, each from its declared inputs."""
-    names = section["report"]["sections"]
-    shown = {}
+    page, names, shown = Page(section, inputs, out, job), section["report"]["sections"], {}
     for name in names:
         about = page_section(name)
         parts = [(about.about, {}), *(_document(inputs, place) for place in about.documents)]
         if name in WRITERS:
-            images: Files = {}
-            written = WRITERS[name](section, inputs, out, job, images)
-            parts.append((tables.markdown(written), images))
+            parts.append((tables.markdown(WRITERS[name](page)), page.files))
         else:  # the section's heading is in the place of its own
             parts[1] = re.sub(r"\A# .*", "", parts[1][0]), parts[1][1]
         shown[name] = about.title, "".join(html.html(*part) for part in parts)
-    page = html.page(_TITLE, shown)
-    (out / PAGE).write_text(page, encoding="utf-8")
-    return {"sections": names, "megabytes": round(len(page.encode()) / 1e6, 1)}
+    text = html.page(_TITLE, shown)
+    (out / PAGE).write_text(text, encoding="utf-8")
+    return {"sections": names, "megabytes": round(len(text.encode()) / 1e6, 1)}
 
 
-def _document(inputs: Inputs, place: str) -> tuple[str, Files]:
+def _document(inputs: Inputs, place: str) -> tuple[str, dict[str, Path]]:
     """A report of an input; its pictures are beside it."""
     name, file = place.split("/")
     if name not in inputs:
         return "This run has none.", {}
     (folder,) = inputs[name]
-    images = {f"{at}{path.name}": path for path in folder.iterdir() for at in ("", "figures/")}
-    return (folder / file).read_text(encoding="utf-8"), images
+    files = {f"{at}{path.name}": path for path in folder.iterdir() for at in ("", "figures/")}
+    return (folder / file).read_text(encoding="utf-8"), files
 
 
-def draw(name: str, figure: Callable[[], Figure], out: Path, images: Files) -> str:
-    """Draw ``name``.svg beside the page, and show it."""
-    write_pictures(out / name, figure)
-    images[name] = out / f"{name}.svg"
-    return f"![{name}]({name})"
-
-
-def overview(
-    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
-) -> Iterator[str | Table]:
+def overview(page: Page) -> Iterator[str | Table]:
     """One sentence; the robot walking, success and error over the speed; what was computed."""
-    frame = tables.read(inputs["table1"][0] / "table1.csv")
+    frame = tables.read(page.inputs["table1"][0] / "table1.csv")
     yield finding(frame)
-    films = [about for about in _films(inputs, images) if about["fell_at"] is None]
+    films = [about for about in page.films() if about["fell_at"] is None]
     films.sort(key=lambda about: (about["controller"] != frame["controller"][0], -about["speed"]))
-    plot = draw("overview", partial(walking.draw_overview, frame), out, images)
     first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]
-    yield "\n".join([*first, plot])
+    yield "\n".join([*first, page.draw("overview", partial(walking.draw_overview, frame))])
     printed = " Dotted: the paper's numbers." if PAPER in set(frame["source"]) else ""
     yield f"Success rate, and velocity MSE after the warm-up of the robots that survive.{printed}"
-    facts = _facts(section)
+    facts = _facts(page.section["configuration"])
     yield Table([*facts], [[*facts.values()]])
 
 
@@ -112,9 +128,8 @@ def finding(frame: pd.DataFrame) -> str:
     )
 
 
-def _facts(section: Section) -> dict[str, str]:
+def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
     """Robot, commanded speeds, and amounts of evaluation and training."""
-    configuration = section["configuration"]
     evaluation = configuration["evaluation"]
     sizes = ("iterations", "robots", "steps_per_iteration")
     samples = sum(  # control steps of both trainings, or of one
@@ -131,62 +146,35 @@ def _facts(section: Section) -> dict[str, str]:
     }
 
 
-def videos(
-    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
-) -> Iterator[str | Table]:
+def videos(page: Page) -> Iterator[str | Table]:
     """A row of films per speed, one film per controller; then those on terrain."""
-    settings = section["report"]["video"]
-    films = sorted(_films(inputs, images), key=lambda about: (about["terrain"], about["speed"]))
-    if settings["renderer"] == "none":
-        yield "No videos: `report.video.renderer` is `none`."
-    elif not films:
-        yield _NO_RENDERER
-    else:
-        yield "One robot per film, all from the same start at rest."
+    films = sorted(page.films(), key=lambda about: (about["terrain"], about["speed"]))
+    yield "One robot per film, all from the same start at rest." if films else _NO_VIDEOS
     for (terrain, speed), mine in groupby(films, lambda film: (film["terrain"], film["speed"])):
         yield f"## {f'{terrain}, ' if terrain else ''}{speed_text(speed)} m/s"
         yield "\n".join(f"![{about['caption']}]({about['name']})" for about in mine)
 
 
-def _films(inputs: Inputs, images: Files) -> list[dict[str, Any]]:
-    """What each video shows, with its name among the images and a caption."""
-    films = []
-    for index, folder in enumerate(inputs.get("videos", ())):
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        fate = f"walks at {about['mean_velocity']:z.2f} m/s"
-        if about["fell_at"] is not None:
-            fate = f"falls after {about['fell_at']:.1f} s"
-        about |= {"name": f"film_{index}", "caption": f"{about['label']}: {fate}"}
-        images[about["name"]] = folder / FILM
-        films.append(about)
-    return films
-
-
-def learning(
-    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
-) -> Iterator[str | Table]:
+def learning(page: Page) -> Iterator[str | Table]:
     """For each training its periodic checks and, where recorded, the terms of its reward."""
     yield (
         "Periodic checks on a few robots (score: lower is better), and the largest terms of the "
         "reward, weighted."
     )
     for name, title in _TRAININGS.items():
-        if name in inputs:  # there may be no pre-training, no fine-tuning
-            training = Training.load(inputs[name][0])
+        if name in page.inputs:  # there may be no pre-training, no fine-tuning
+            training = Training.load(page.inputs[name][0])
             yield f"## {title}"
-            figure = partial(walking.draw_training, training)
-            yield draw(f"training_{name}", figure, out, images)
+            yield page.draw(f"training_{name}", partial(walking.draw_training, training))
             yield f"The policy of iteration {training.kept} was kept."
 
 
-def paper_statements(
-    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
-) -> Iterator[str | Table]:
+def paper_statements(page: Page) -> Iterator[str | Table]:
     """A table per part of the paper, a row per statement, with its value in this run."""
     yield "What the paper says, whether it is here as printed, and where that is configured."
     heads = ["the paper says", "status", "here", "where", "in this run"]
-    frame = read_statements()
-    frame["now"] = [current_value(section["configuration"], where) for where in frame["where"]]
+    frame, configuration = read_statements(), page.section["configuration"]
+    frame["now"] = [current_value(configuration, where) for where in frame["where"]]
     for part, statements in frame.groupby("part", sort=False):
         yield Table(heads, statements.drop(columns="part").to_numpy(), str(part))
 
@@ -207,23 +195,21 @@ def current_value(configuration: Mapping[str, Any], where: str) -> str:
     return "" if isinstance(node, (Mapping, list)) else str(node)
 
 
-def origins(
-    section: Section, inputs: Inputs, out: Path, job: Job, images: Files
-) -> Iterator[str | Table]:
+def origins(page: Page) -> Iterator[str | Table]:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
     jobs = [
         one
-        for name, recorded in section["origins"].items()
-        for one in zip(recorded, job.input_metadata[name], inputs[name], strict=True)
+        for name, recorded in page.section["origins"].items()
+        for one in zip(recorded, page.job.input_metadata[name], page.inputs[name], strict=True)
     ]
-    return provenance.blocks(section["configuration"], jobs, job.metadata)
+    return provenance.blocks(page.section["configuration"], jobs, page.job.metadata)
 
 
-WRITERS: dict[str, Callable[..., Iterator[str | Table]]] = {
+WRITERS: dict[str, Callable[[Page], Iterator[str | Table]]] = {
     "overview": overview,
     "videos": videos,
     "learning": learning,
     "statements": paper_statements,
     "provenance": origins,
 }
-"""Sections that no report of the pipeline has: functions of the stage's arguments and images."""
+"""Sections that no report of the pipeline has."""

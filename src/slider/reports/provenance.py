@@ -37,23 +37,25 @@ _STAGES = {  # in the order in which they run; others follow
 }
 
 
+Recorded = tuple[Mapping[str, Any], Mapping[str, Any], Path]
+"""Of a result its origin (stage, label, recipe, source digest, versions), its run metadata (times,
+machine, commit), and its object's folder."""
+
+
 def blocks(
-    configuration: Mapping[str, Any],
-    jobs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any], Path]],
-    page: Mapping[str, Any],
+    configuration: Mapping[str, Any], jobs: Sequence[Recorded], page: Mapping[str, Any]
 ) -> Iterator[str | Table]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
-    ``jobs`` are of each result of the page the origin (stage, label, recipe, source digest,
-    versions), the run metadata (times, machine, commit), and its object's folder; ``page`` has
-    commit and start of the pipeline run that builds the page.
+    ``jobs`` are the results on the page; ``page`` has commit and start of the pipeline run that
+    builds it.
     """
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
-    table = _table(jobs, page.get("pipeline_started"))
+    table = _table(jobs, page.get("pipeline_started", ""))
     yield _TEXT.format(commit=_commit(page))
     yield _stages(table)
-    machines = _machines(table)
-    yield f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}."
+    for machine, jobs_there in table.groupby("machine"):
+        yield f"{machine}: {', '.join(map(stage_title, jobs_there['stage'].unique()))}."
     leaves = flatten(configuration).items()
     seeds = [[name, str(value)] for name, value in leaves if name.endswith(".seed")]
     yield Table(["seed", "value"], seeds)
@@ -66,9 +68,7 @@ def blocks(
         yield f"## {title}\n\n````\n{text}````"
 
 
-def _table(
-    jobs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any], Path]], started: str | None
-) -> pd.DataFrame:
+def _table(jobs: Sequence[Recorded], started: str) -> pd.DataFrame:
     """A row per result, each once, by stage; computed now: by the run that builds the page."""
     nothing = {"machine": _UNKNOWN, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
     rows = [
@@ -80,9 +80,7 @@ def _table(
             "object": folder.name[:16],
             "source": origin["source"][:12],
             "commit": _commit(metadata),
-            "now": bool(metadata.get("computed"))
-            and started is not None
-            and metadata.get("pipeline_started") == started,
+            "now": bool(metadata.get("computed")) and metadata.get("pipeline_started") == started,
         }
         for origin, metadata, folder in jobs
     ]
@@ -106,25 +104,12 @@ def _stages(table: pd.DataFrame) -> Table:
     heads = ["stage", "jobs", "computed now", "wall time [s]", "CPU time [s]"]
     body = []
     for stage, jobs in table.groupby("stage", sort=False):
-        counts = (len(jobs), sum(jobs["now"].tolist()))
-        times = (sum(jobs[name].tolist()) for name in ("wall_s", "cpu_s"))
-        ended = max(jobs["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
-        body.append(
-            [stage_title(str(stage)), *map(str, counts), *(f"{seconds:.1f}" for seconds in times)]
-            + [ended, ", ".join(sorted(set(jobs["commit"])))]
-        )
+        counts = len(jobs), jobs["now"].sum()
+        times = (f"{jobs[name].sum():.1f}" for name in ("wall_s", "cpu_s"))
+        ended = jobs["ended"].max()[:16].replace("T", "\u00a0") or _UNKNOWN
+        commits = ", ".join(sorted(jobs["commit"].unique()))
+        body.append([stage_title(str(stage)), *map(str, counts), *times, ended, commits])
     return Table([*heads, "finished (UTC)", "commit"], body)
-
-
-def _machines(table: pd.DataFrame) -> list[str]:
-    """Machines, each with the stages that it computed unless it computed all."""
-    stages = {
-        machine: ", ".join(map(stage_title, jobs["stage"].unique()))
-        for machine, jobs in table.groupby("machine")
-    }
-    if len(stages) == 1:
-        return [*map(str, stages)]
-    return [f"{machine} ({names})" for machine, names in stages.items()]
 
 
 def _commit(metadata: Mapping[str, Any]) -> str:

@@ -83,23 +83,16 @@ def highest_level(rates: Sequence[float], survival: float) -> int:
 
 def gauge_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """Levels of all controllers, and the pass rates of each."""
-    texts = frame.assign(text=[_level(row) for row in frame.to_dict("records")])
-    body = [[_title(axis), *mine["text"]] for axis, mine in texts.groupby("axis", sort=False)]
-    yield Table(["axis", *frame["label"].unique()], body)
     names = [name for name in frame if name.startswith("pass_")]
+    tested, passed = frame["axis"] != NUMBER, Quantity("robots that pass", "%", 100.0, ".0f")
+    texts = [_level(row) for row in frame.to_dict("records")]
+    frame = frame.assign(axis=frame["axis"].str.replace("_", " "), text=texts)
+    body = [[axis, *mine["text"]] for axis, mine in frame.groupby("axis", sort=False)]
+    yield Table(["axis", *frame["label"].unique()], body)
     heads = ["robots that pass [%] at level", *(name.removeprefix("pass_") for name in names)]
-    for label, mine in frame[frame["axis"] != NUMBER].groupby("label", sort=False):
-        lines = zip(mine["axis"], mine[names].to_numpy(), strict=True)
-        yield Table(
-            heads, [[_title(axis), *map(_PASSED.text, line)] for axis, line in lines], str(label)
-        )
-
-
-_PASSED = Quantity("robots that pass", "%", 100.0, ".0f")
-
-
-def _title(axis: object) -> str:
-    return str(axis).replace("_", " ")
+    for label, mine in frame[tested].groupby("label", sort=False):
+        lines = mine[["axis", *names]].itertuples(index=False)
+        yield Table(heads, [[axis, *map(passed.text, line)] for axis, *line in lines], str(label))
 
 
 def _level(row: Mapping[str, object]) -> str:

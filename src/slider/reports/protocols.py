@@ -4,8 +4,9 @@ A protocol is of constant speeds (``sweep``), of segments of one case (``joystic
 (``heldout``); each has tables, the first two a figure, and their explanation.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -114,7 +115,7 @@ def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Itera
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.speed is not None and one.speed in speeds and not one.robots["survived"].any()
+        if one.speed is not None and not one.robots["survived"].any()
     ]
     if fallen:
         yield f"Not drawn: no survivors with {'; '.join(fallen)}."
@@ -124,30 +125,28 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md`` and, but for cases, ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     evaluations = report.load(inputs["evaluations"], section["labels"])
-    title, caption, frame_of, draw, tables_of = _KINDS[_kind(protocol)]
+    kind = protocol.profile.rows if protocol.profile else "speeds"
+    title, caption, frame_of, tables_of = _KINDS[kind]
     frame = frame_of(evaluations, protocol)
     values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
     if profile := protocol.profile:
         values |= {"window": profile.window, "settled": profile.warm_up}
     parts = [caption.format(**vars(protocol), **values), *tables_of(frame)]
-    figure = None
-    if draw is not None:
-        figure = partial(draw, frame, evaluations, protocol)
+    figure = {
+        "speeds": partial(walking.draw_speeds, frame),
+        "segments": partial(walking.draw_segments, evaluations, protocol),
+    }.get(kind)
+    if figure is not None:
         parts.insert(0, picture(name))
     report.write(out / name, f"{title}: {name}", section["robot"], frame, figure, parts)
-    if protocol.profile is not None:
+    if kind != "speeds":
         rates = frame.groupby("controller", sort=False)["success_rate"]
-        # Of all cases, or at the end.
-        picked = rates.min() if protocol.profile.rows == "cases" else rates.last()
+        picked = rates.min() if kind == "cases" else rates.last()  # of all cases, or at the end
         return {"rows": len(frame), "success_rate": picked.to_dict()}
     highest = highest_tracked(frame)
     metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
     job.log_metrics(metrics, 0)
     return {"rows": len(frame), "highest_tracked": highest}
-
-
-def _kind(protocol: EvaluationConfig) -> str:
-    return protocol.profile.rows if protocol.profile else "speeds"
 
 
 def _speeds(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:
@@ -213,15 +212,14 @@ def _commands(segment: Segment) -> dict[str, float]:
 
 def _segment_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """A table per controller with a row per segment."""
-    heads = ["from [s]", "segment", "vx, vy, yaw rate"]
-    heads += [QUANTITIES[column].heading for column in _SEGMENT_COLUMNS]
+    shown = {name: QUANTITIES[name] for name in _SEGMENT_COLUMNS}
+    heads = ["from [s]", "segment", "vx, vy, yaw rate", *(each.heading for each in shown.values())]
     for label, mine in frame.groupby("label", sort=False):
         body = []
         for row in mine.to_dict("records"):
             velocity = ", ".join(f"{row[f'{axis}_command']:g}" for axis in AXES)
-            numbers = (QUANTITIES[name].text(row[name]) for name in _SEGMENT_COLUMNS)
-            name = row["segment"].replace("_", " ")
-            body.append([f"{row['time']:g}", name, velocity, *numbers])
+            start = [f"{row['time']:g}", row["segment"].replace("_", " "), velocity]
+            body.append([*start, *(each.text(row[name]) for name, each in shown.items())])
         yield Table(heads, body, str(label))
 
 
@@ -263,20 +261,17 @@ def _case_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """Of each controller constant speeds, standing and sideways, without empty tables."""
     titles = np.where(frame["standing_rate"].isna(), _CONSTANT, _STANDS)
     frame = frame.assign(title=np.where(frame["vy_command"] != 0, "Sideways", titles))
-    for label, mine in frame.groupby("label", sort=False):
-        for title, columns in _CASE_COLUMNS.items():
-            shown = {name: QUANTITIES[MEANS.get(name, name)] for name in ("success_rate", *columns)}
-            body = [
-                [row["case"], f"{row['seconds']:g}"]
-                + [
-                    quantity.between(row[name], *_ends(row, name))
-                    for name, quantity in shown.items()
-                ]
-                for row in mine[mine["title"] == title].to_dict("records")
-            ]
-            if body:
-                heads = ["case", "time [s]", *(quantity.heading for quantity in shown.values())]
-                yield Table(heads, body, f"{title}, {label}")
+    for (label, mine), (title, columns) in product(
+        frame.groupby("label", sort=False), _CASE_COLUMNS.items()
+    ):
+        shown = {name: QUANTITIES[MEANS.get(name, name)] for name in ("success_rate", *columns)}
+        body = []
+        for row in mine[mine["title"] == title].to_dict("records"):
+            texts = (each.between(row[name], *_ends(row, name)) for name, each in shown.items())
+            body.append([row["case"], f"{row['seconds']:g}", *texts])
+        heads = ["case", "time [s]", *(each.heading for each in shown.values())]
+        if body:
+            yield Table(heads, body, f"{title}, {label}")
 
 
 def _ends(row: Mapping[str, float], name: str) -> list[float]:
@@ -285,27 +280,9 @@ def _ends(row: Mapping[str, float], name: str) -> list[float]:
     return [row.get(f"{prefix}_{end}", np.nan) for end in ("low", "high")]
 
 
-_KINDS: dict[str, tuple[str, str, Callable, Callable | None, Callable]] = {
-    "speeds": (
-        "Mean speed over the commanded speed",
-        _SPEEDS_CAPTION,
-        _speeds,
-        lambda frame, evaluations, protocol: walking.draw_speeds(frame),
-        _speed_tables,
-    ),
-    "segments": (
-        "Changing commands",
-        _SEGMENTS_CAPTION,
-        _segments,
-        lambda frame, evaluations, protocol: walking.draw_segments(evaluations, protocol),
-        _segment_tables,
-    ),
-    "cases": (
-        "Cases",
-        _CASES_CAPTION,
-        _cases,
-        None,
-        _case_tables,
-    ),
+_KINDS = {
+    "speeds": ("Mean speed over the commanded speed", _SPEEDS_CAPTION, _speeds, _speed_tables),
+    "segments": ("Changing commands", _SEGMENTS_CAPTION, _segments, _segment_tables),
+    "cases": ("Cases", _CASES_CAPTION, _cases, _case_tables),
 }
-"""Kind of protocols → title, caption, frame of evaluations, figure and tables of the frame."""
+"""Kind of protocols → title, caption, frame of evaluations, and tables of the frame."""

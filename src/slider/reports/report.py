@@ -42,7 +42,7 @@ def across(
     column: str,
     quantities: Sequence[str],
     frame: pd.DataFrame,
-    keys: Sequence[str],
+    keys: Sequence[str] = (),
     form: Callable[[float], str] = "{:g}".format,
 ) -> Table:
     """Quantities and the ``keys`` of rows down, the values of a column across.
@@ -52,7 +52,7 @@ def across(
     values, body = np.sort(frame[column].unique()), []
     for name in quantities:
         heading, numbers = quantity(name).heading, is_numeric_dtype(frame[name])
-        for key, mine in frame.groupby([*keys], sort=False):
+        for key, mine in frame.groupby([*keys], sort=False) if keys else [((), frame)]:
             texts = map(quantity(name).text, mine[name]) if numbers else mine[name]
             cells = dict(zip(mine[column], texts, strict=True))
             body.append([heading, *key, *(cells.get(value, NONE) for value in values)])

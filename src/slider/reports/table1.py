@@ -19,8 +19,8 @@ from slider.env.metrics import ERRORS
 from slider.reports import report
 from slider.reports.figures.style import write_pictures
 from slider.reports.figures.walking import draw_tradeoff
-from slider.reports.quantities import PAPER, PAPER_ROBOT, QUANTITIES, quantity
-from slider.reports.report import NAMED, write_document
+from slider.reports.quantities import PAPER, PAPER_ROBOT, QUANTITIES
+from slider.reports.report import NAMED, across, write_document
 
 COLUMNS = (
     *("controller", "label", "source", "speed"),
@@ -77,8 +77,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         f"{name}/{one['controller']}/{one['speed']}": one[name]
         for one in ours.to_dict("records")
         for name in METRICS
+        if math.isfinite(one[name])
     }
-    job.log_metrics({k: value for k, value in metrics.items() if np.isfinite(value)}, 0)
+    job.log_metrics(metrics, 0)
     return {"rows": len(ours)}
 
 
@@ -96,13 +97,8 @@ def quality_tables(frame: pd.DataFrame) -> Iterator[Table]:
     for label, mine in frame.groupby("label", sort=False):
         errors = [name for name in ERRORS if name in mine]
         hidden = {*NAMED, "speed", *(() if (mine[errors] > 0).any(axis=None) else errors)}
-        heads = ["at a command of [m/s]", *map(speed_text, mine["speed"])]
-        body = [
-            [quantity(name).heading, *map(quantity(name).text, mine[name])]
-            for name in mine
-            if name not in hidden
-        ]
-        yield Table(heads, body, str(label))
+        names = [name for name in mine if name not in hidden]
+        yield across(str(label), "at a command of [m/s]", "speed", names, mine, form=speed_text)
 
 
 def comparisons(frame: pd.DataFrame) -> list[Table]:
@@ -115,18 +111,16 @@ def compare(frame: pd.DataFrame, name: str) -> Table:
 
     The best of a line are marked, and all that look the same when printed, unless all are.
     """
-    keys, printed = ["source", "controller"], frame["source"] == PAPER
+    printed = frame["source"] == PAPER
     theirs = frame[METRICS[name]] if METRICS[name] else np.nan
     frame = frame.assign(value=frame[name].where(~printed, theirs), std=frame[f"{name}_std"])
     speeds = np.sort(frame.loc[~printed, "speed"].unique())
-    heads = (frame if METRICS[name] else frame[~printed]).drop_duplicates(keys).set_index(keys)
-    lines = (
-        frame[frame["speed"] == speed].set_index(keys).reindex(heads.index) for speed in speeds
-    )
+    labels = (frame if METRICS[name] else frame[~printed])["label"].unique()
+    lines = (frame[frame["speed"] == speed].set_index("label").reindex(labels) for speed in speeds)
     body = [[speed_text(v), *_marked(line, name)] for v, line in zip(speeds, lines, strict=True)]
     shown = QUANTITIES[name]
     title = shown.title if shown.share else shown.heading
-    return Table(["command [m/s]", *heads["label"]], body, title)
+    return Table(["command [m/s]", *labels], body, title)
 
 
 def _marked(line: pd.DataFrame, name: str) -> list[str]:

@@ -25,7 +25,7 @@ present one. The tables show finalists, which have more robots.
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write all trials as ``baseline_tuning.csv``, present and best ones as Markdown."""
     labels = section["labels"]
-    found = [tables.read(folder / CSV) for folder in inputs["searches"]]
+    found = (tables.read(folder / CSV) for folder in inputs["searches"])
     searches = dict(zip(labels, found, strict=True))
     frame = pd.concat(searches, names=["controller"]).reset_index("controller")
     texts = [table for name, mine in searches.items() for table in _tables(name, mine, section)]
@@ -46,17 +46,18 @@ def _tables(name: str, trials: pd.DataFrame, section: Mapping[str, Any]) -> Iter
     count = (trials[FINALIST] == 0).sum()
     score = f"trial {best['trial']:g} of {count}, score {best['score']:.3f}"
     heads = [f"control.{name}", "range", f"present, score {present['score']:.3f}", score]
-    body = []
-    for key, limits in section["spaces"][name].items():
-        values = (f"{trial[key]:.3g}" for trial in (present, best))
-        body.append([key, f"{limits['lower']:g} to {limits['upper']:g}", *values])
+    body = [
+        [key, f"{limits['lower']:g} to {limits['upper']:g}"]
+        + [f"{trial[key]:.3g}" for trial in (present, best)]
+        for key, limits in section["spaces"][name].items()
+    ]
     yield Table(heads, body, label)
     prefix = f"{SUCCESS}_"
     speeds = [column.removeprefix(prefix) for column in trials if column.startswith(prefix)]
-    lines = []
-    for title, row in (("present", present), ("best", best)):
-        for key, quantity in _SHOWN.items():
-            shown = QUANTITIES[quantity]
-            texts = (shown.text(row[f"{key}_{speed}"]) for speed in speeds)
-            lines.append([f"{shown.heading}, {title}", *texts])
+    lines = [
+        [f"{QUANTITIES[quantity].heading}, {title}"]
+        + [QUANTITIES[quantity].text(trial[f"{key}_{speed}"]) for speed in speeds]
+        for title, trial in (("present", present), ("best", best))
+        for key, quantity in _SHOWN.items()
+    ]
     yield Table(["command [m/s]", *(speed_text(float(speed)) for speed in speeds)], lines)

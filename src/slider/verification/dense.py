@@ -14,7 +14,8 @@ from slider.robot.knee_map import prismatic_motion
 from slider.robot.names import other_side
 from slider.robot.transmission import Transmission
 from slider.verification.pin_robot import PinRobot, full
-from slider.verification.plant import Plant, pressure_share
+from slider.verification.plant import Plant, plant_state, pressure_share
+from slider.verification.quantities import worst
 from slider.verification.stored import StepMotion, StoredGait
 
 
@@ -57,15 +58,11 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
 
 
 def between_nodes(
-    gait: StoredGait,
-    pinocchio: PinRobot,
-    robot: Mechanism,
-    posture: Posture,
-    points: int,
+    gait: StoredGait, pinocchio: PinRobot, robot: Mechanism, posture: Posture, points: int
 ) -> dict[str, float]:
     """Worst values over both steps; see ``slider.verification.quantities``."""
     motors, (lower, upper) = Transmission.of(robot), robot.joint_ranges
-    steps = []
+    rows = []
     for motion in gait.steps:
         step = resample(motion, pinocchio, points)
         lowest = step.ends[..., 2].min(axis=1)
@@ -73,24 +70,24 @@ def between_nodes(
         force = step.wrench[:, :3]
         torque, voltage = motors.shares(step.efforts, step.speeds)
         beyond = np.maximum(step.joints - upper, lower - step.joints)
-        steps.append(
+        rows.append(
             {
-                "dense_penetration": np.maximum(0.0, -lowest.min()),
-                "dense_clearance": np.maximum(0.0, (parabola - lowest).max()),
-                "dense_cop": pressure_share(step.wrench, pinocchio).max(),
-                "dense_friction": (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max(),
-                "dense_torque": np.abs(torque).max(),
-                "dense_voltage": np.abs(voltage).max(),
-                "dense_position": np.maximum(0.0, beyond.max()),
+                "dense_penetration": np.maximum(0.0, -lowest),
+                "dense_clearance": np.maximum(0.0, parabola - lowest),
+                "dense_cop": pressure_share(step.wrench, pinocchio),
+                "dense_friction": np.hypot(force[:, 0], force[:, 1]) / force[:, 2],
+                "dense_torque": torque,
+                "dense_voltage": voltage,
+                "dense_position": np.maximum(0.0, beyond),
             }
         )
-    return {name: float(np.max([step[name] for step in steps])) for name in steps[0]}
+    return worst(rows)
 
 
 def legs_apart(gait: StoredGait, plant: Plant, points: int) -> dict[str, float]:
     """Least distance [m] of the plant's legs from each other over the walk."""
     distances = [
-        plant.leg_distance(plant.moving(motion, time))
+        plant.leg_distance(plant_state(plant.slides.moving(motion, time)))
         for motion in gait.steps
         for time in np.linspace(0.0, motion.duration, points)
     ]

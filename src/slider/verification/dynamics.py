@@ -6,7 +6,6 @@ polynomials in time; the roll of the stance foot about its line obeys "no moment
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -14,6 +13,7 @@ from slider.config.gait import IntegratorConfig
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.names import LAST_JOINTS, SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot, full
+from slider.verification.quantities import worst
 from slider.verification.stored import StepMotion, StoredGait
 
 _BASE = 6
@@ -42,8 +42,6 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
 
 def _seen_from(state: FloatingState, yaw: float) -> FloatingState:
     """The same in axes that are yawed about the origin; velocities are the base's own."""
-    if not yaw:
-        return state
     back = _about_z(-yaw)
     attitude = (back * Rotation.from_quat(state.q[3:7])).as_quat()
     q = np.concatenate([back.apply(state.q[:3]), attitude, state.q[7:]])
@@ -58,23 +56,21 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         left on the floating base [N, N m], and stored moment about the foot line [N m]: of a sole
         that about the ankle's roll.
     """
-    torque, effort, base, line = [], [], [], gait.ground_wrench[:, 3].copy()
+    rows = []
     for sample in range(2 * gait.half):
         state, side = stored_state(gait, robot, sample), SIDES[gait.step_of(sample)]
-        jacobian = robot.jacobian(state.q, side)
-        rest = robot.forces(state) - jacobian.T @ gait.ground_wrench[sample]
-        base.append(_worst(rest[:_BASE]))
+        wrench, stored = gait.ground_wrench[sample], gait.efforts[sample]
+        rest = robot.forces(state) - robot.jacobian(state.q, side).T @ wrench
         torques, efforts = robot.work(gait.knee_positions[sample], rest[_BASE:])
-        torque.append(_worst(torques - gait.knee_torques[sample]))
-        effort.append(_worst(full(efforts) - gait.efforts[sample]))
-        if robot.soles is not None:
-            line[sample] = robot.passive(gait.efforts[sample], state, side)
-    return {
-        "dynamics_torque": _worst(torque),
-        "dynamics_efforts": _worst(effort),
-        "dynamics_base": _worst(base),
-        "dynamics_line_moment": _worst(line),
-    }
+        rows.append(
+            {
+                "dynamics_torque": torques - gait.knee_torques[sample],
+                "dynamics_efforts": full(efforts) - stored,
+                "dynamics_base": rest[:_BASE],
+                "dynamics_line_moment": robot.roll_moment(state, stored, wrench, side),
+            }
+        )
+    return worst(rows)
 
 
 def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
@@ -84,11 +80,15 @@ def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         Worst velocity [rad/s, m/s] against the solution of mass matrix and contact Jacobian, and
         worst joint impulse or moment about the line [N m s] that the stored velocities need.
     """
-    velocity, impulse = [], []
-    for before, after, side in touchdowns(gait, robot):
-        velocity.append(_worst(robot.impact(before.q, before.v, side) - after.v))
-        impulse.append(_worst(robot.impulse(before.q, before.v, after.v, side)))
-    return {"impact_velocity": _worst(velocity), "impact_impulse": _worst(impulse)}
+    return worst(
+        [
+            {
+                "impact_velocity": robot.impact(before.q, before.v, side) - after.v,
+                "impact_impulse": robot.impulse(before.q, before.v, after.v, side),
+            }
+            for before, after, side in touchdowns(gait, robot)
+        ]
+    )
 
 
 def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, FloatingState, str]]:
@@ -105,20 +105,19 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
 
 
 def mean_velocity(gait: StoredGait) -> dict[str, float]:
-    """Displacement of the base over the walk, and the feet's, against the velocity [m/s].
+    """Displacement of the base in each step along its stance foot, against the velocity [m/s].
 
-    The last sample is the first one of the next walk, but for its velocities. Of a turning walk it
-    is the base's in each step, along that step's stance foot: the mean course.
+    The last sample of a step is the first one of the next, but for its velocities. Straight ahead
+    the feet are displaced alike.
     """
+    starts, ends = gait.base[[0, gait.half], :3], gait.base[[gait.half - 1, -1], :3]
+    ways = enumerate(ends - starts)
+    along = [_about_z(-gait.heading(step)).apply(way)[:2] for step, way in ways]
+    travelled = [np.sum(along, axis=0)]
+    if not gait.velocities[2]:
+        travelled.append(gait.swing_foot[gait.half - 1, :2] + gait.swing_foot[-1, :2])
     walk = gait.step_time.sum()
-    travelled = [gait.base[-1, :2] - gait.base[0, :2]]
-    travelled.append(gait.swing_foot[gait.half - 1, :2] + gait.swing_foot[-1, :2])
-    if gait.velocities[2]:
-        starts, ends = gait.base[[0, gait.half], :3], gait.base[[gait.half - 1, -1], :3]
-        ways = zip((0, 1), ends - starts, strict=True)
-        travelled = [sum(_about_z(-gait.heading(step)).apply(way)[:2] for step, way in ways)]
-    errors = [np.abs(way / walk - gait.velocities[:2]).max() for way in travelled]
-    return {"mean_velocity": _worst(errors)}
+    return worst([{"mean_velocity": way / walk - gait.velocities[:2]} for way in travelled])
 
 
 def _about_z(angle: float) -> Rotation:
@@ -126,27 +125,24 @@ def _about_z(angle: float) -> Rotation:
 
 
 def periodicity(gait: StoredGait) -> dict[str, float]:
-    """Jump of joints [rad], base height [m] and base orientation [rad] over both touchdowns.
+    """Jump of joints [rad], base position [m] and orientation [rad] over both touchdowns.
 
-    Velocities jump; by how much is the impact's check. The next walk of a turning gait starts where
-    the feet have gone to, yawed by both turns.
+    Velocities jump; by how much is the impact's check. The next walk starts where the feet have
+    gone to, yawed by both turns.
     """
     ends = [gait.half - 1, 2 * gait.half - 1]
     starts = [gait.half, 0]
     joints, rolls = (x[ends] - x[starts] for x in (gait.knee_positions, gait.last_joints[:, 0]))
-    height = gait.base[ends, 2] - gait.base[starts, 2]
     before, after = (
         Rotation.from_quat(gait.base[at, 3:7], scalar_first=True) for at in (ends, starts)
     )
-    middle = gait.base[ends[0], :2] - gait.base[starts[0], :2]
-    if gait.velocities[2]:
-        first, both = _about_z(gait.heading(1)), _about_z(gait.heading(2))
-        after = Rotation.concatenate([after[0], both * after[1]])
-        feet = gait.origin(1) + first.apply(gait.swing_foot[-1])
-        again = feet + both.apply(gait.base[0, :3])
-        middle = np.concatenate([middle, gait.base[-1, :2] - again[:2]])
-    jumps = (joints, rolls, height, (before * after.inv()).magnitude(), middle)
-    return {"periodicity": _worst([_worst(jump) for jump in jumps])}
+    first, both = _about_z(gait.heading(1)), _about_z(gait.heading(2))
+    after = Rotation.concatenate([after[0], both * after[1]])
+    again = gait.origin(1) + first.apply(gait.swing_foot[-1]) + both.apply(gait.base[0, :3])
+    places = gait.base[ends, :3] - [gait.base[gait.half, :3], again]
+    turn = (before * after.inv()).magnitude()
+    jumps = np.concatenate([*map(np.ravel, (joints, rolls, places, turn))])
+    return worst([{"periodicity": jumps}])
 
 
 def integrate_roll(
@@ -181,15 +177,11 @@ def integrate_roll(
 
 def roll(gait: StoredGait, robot: PinRobot, integrator: IntegratorConfig) -> dict[str, float]:
     """Collocated roll against the integrated one, from each step's first node [rad, rad/s]."""
-    worst = []
+    rows = []
     for motion in gait.steps:
         times = np.linspace(0.0, motion.duration, gait.half)
         nodes = motion.roll_at(times)[:, :2]
-        error = np.abs(integrate_roll(robot, motion, integrator, nodes[0], times) - nodes)
-        worst.append([*error[-1], error[:, 0].max()])
-    names = ("roll_end", "roll_rate_end", "roll_worst")
-    return dict(zip(names, map(float, np.max(worst, axis=0)), strict=True))
-
-
-def _worst(values: ArrayLike) -> float:
-    return float(np.abs(values).max())
+        errors = integrate_roll(robot, motion, integrator, nodes[0], times) - nodes
+        end, rate_end = errors[-1]
+        rows.append({"roll_end": end, "roll_rate_end": rate_end, "roll_worst": errors[:, 0]})
+    return worst(rows)

@@ -116,20 +116,24 @@ class PinRobot:
     def free_roll(self, motion: StepMotion, time: float, roll: np.ndarray) -> float:
         """Acceleration [rad/s²] of roll and rate (2,) that leaves no moment about the roll's axis.
 
-        A sole stays out of that moment, which is linear in the acceleration.
+        The moment is linear in the acceleration.
         """
-        still = self.moving(motion, time, np.array([*roll, 0.0]))
-        if self.soles is None:
-            moment, inertia = self.line_moment_and_inertia(still, motion.side)
-            return -moment / inertia
         moments = []
-        for state in (still, self.moving(motion, time, np.array([*roll, 1.0]))):
-            efforts, _ = self.inverse_dynamics(state, motion.side)
-            moments.append(self.passive(efforts, state, motion.side))
+        for turn in (0.0, 1.0):
+            state = self.moving(motion, time, np.array([*roll, turn]))
+            efforts, wrench = self.inverse_dynamics(state, motion.side)
+            moments.append(self.roll_moment(state, efforts, wrench, motion.side))
         return moments[0] / (moments[0] - moments[1])
 
-    def passive(self, efforts: np.ndarray, state: FloatingState, side: str) -> float:
-        """Moment [N m] of a stance sole on its leg about the roll's axis: no rotor, no friction."""
+    def roll_moment(
+        self, state: FloatingState, efforts: np.ndarray, wrench: np.ndarray, side: str
+    ) -> float:
+        """Moment [N m] about the roll's axis, of joints' efforts and the ground's wrench (6,).
+
+        Of a line foot the ground's; of a sole its own on its leg: no rotor, no friction.
+        """
+        if self.soles is None:
+            return float(wrench[3])
         dof = _BASE + last_joint(side)
         own = self.model.armature[dof] * state.a[dof] + self.damping[dof] * state.v[dof]
         return float(own - efforts[dof - _BASE])
@@ -210,10 +214,15 @@ class PinRobot:
         self, state: FloatingState, side: str = "left"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Forces (10,) or (12,) at its joints, ground force and moment (6,) at the stance sole."""
-        total = self.forces(state)
-        jacobian = self.jacobian(state.q, side)
-        wrench = np.linalg.solve(jacobian[:, :6].T, total[:6])
-        return total[6:] - jacobian[:, 6:].T @ wrench, wrench
+        return self._supported(self.forces(state), state.q, side)
+
+    def _supported(
+        self, total: np.ndarray, q: np.ndarray, side: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What generalised forces, or impulses, leave to joints and sole."""
+        jacobian = self.jacobian(q, side)
+        wrench = np.linalg.solve(jacobian[:, :_BASE].T, total[:_BASE])
+        return total[_BASE:] - jacobian[:, _BASE:].T @ wrench, wrench
 
     def mass(self, q: np.ndarray) -> np.ndarray:
         """Joint-space inertia (16, 16), rotors included."""
@@ -225,19 +234,6 @@ class PinRobot:
         lifted = None if self.soles is None else self.levelling(q, other_side(side))
         return after_impact(self.mass(q), self.jacobian(q, side), v, lifted)
 
-    def line_moment_and_inertia(self, state: FloatingState, side: str) -> tuple[float, float]:
-        """Moment [N m] that a motion needs about the stance line, and inertia [kg m²] about it."""
-        total = self.forces(state)
-        pin.ccrba(self.model, self.data, state.q, state.v)
-        pin.updateFramePlacement(self.model, self.data, self.sole(side))
-        base, sole = self.data.oMi[1], self.data.oMf[self.sole(side)].translation
-        force, moment = base.rotation @ total[:3], base.rotation @ total[3:6]
-        arm, out = base.translation - sole, self.data.com[0] - sole
-        about = moment[0] + arm[1] * force[2] - arm[2] * force[1]
-        about_com = self.data.Ig
-        inertia = about_com.inertia[0, 0] + about_com.mass * (out[1] ** 2 + out[2] ** 2)
-        return float(about), float(inertia)
-
     def impulse(
         self, q: np.ndarray, before: np.ndarray, after: np.ndarray, side: str
     ) -> np.ndarray:
@@ -246,10 +242,7 @@ class PinRobot:
         They vanish in a plastic impact: neither torques nor a line contact can be that fast. Of
         soles it has those at the joints (11,), but for the roll that keeps the lifted one level.
         """
-        jump = self.mass(q) @ (after - before)
-        jacobian = self.jacobian(q, side)
-        wrench = np.linalg.solve(jacobian[:, :6].T, jump[:6])
-        joints = jump[6:] - jacobian[:, 6:].T @ wrench
+        joints, wrench = self._supported(self.mass(q) @ (after - before), q, side)
         if self.soles is not None:
             return np.delete(joints, last_joint(other_side(side)))
         return np.append(joints, wrench[3])
@@ -374,16 +367,12 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
 
 
 def _hip(robot: Mechanism) -> dict[str, _LegJoint]:
-    axes, links = robot.geometry.axes, robot.links
-    parts = {
-        "hip_yaw": (axes.yaw_direction, links.yaw),
-        "hip_roll": (axes.roll_direction, links.roll),
-        "hip_pitch": (axes.pitch_direction, links.pitch),
-    }
-    return {
-        name: _LegJoint(_TURNS, np.array(axis), np.array(getattr(axes, name)), _inertia_of(link))
-        for name, (axis, link) in parts.items()
-    }
+    axes, joints = robot.geometry.axes, {}
+    for name in ("yaw", "roll", "pitch"):
+        axis, place = (np.array(getattr(axes, x)) for x in (f"{name}_direction", f"hip_{name}"))
+        body = _inertia_of(getattr(robot.links, name))
+        joints[f"hip_{name}"] = _LegJoint(_TURNS, axis, place, body)
+    return joints
 
 
 def _knee_leg(robot: Mechanism) -> list[_LegJoint]:

@@ -19,7 +19,8 @@ from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 from slider.verification.dynamics import stored_state, touchdowns
 from slider.verification.pin_robot import FloatingState, PinRobot, after_impact, full, levelling
-from slider.verification.stored import StepMotion, StoredGait
+from slider.verification.quantities import worst
+from slider.verification.stored import StoredGait
 
 _BASE = 6
 _FAR = 10.0  # beyond it a distance does not count [m]
@@ -50,10 +51,6 @@ class Plant:
             (self.model.geom(first).id, self.model.geom(second).id)
             for first, second in names.LEG_PAIRS
         ]
-
-    def moving(self, motion: StepMotion, time: float) -> PlantState:
-        """The motion at a time of a step; the stance foot is the world's origin."""
-        return plant_state(self.slides.moving(motion, time))
 
     def inverse(self, state: PlantState, side: str) -> tuple[np.ndarray, np.ndarray]:
         """Generalised forces (18,) of a motion, Jacobian (6, 18) of the sole, world axes."""
@@ -130,20 +127,20 @@ def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
         state = plant_state(stored_state(gait, plant.slides, sample))
         forces, jacobian = plant.inverse(state, side)
         rest = forces - jacobian.T @ gait.ground_wrench[sample]
-        missed = np.abs(rest[_BASE:] - gait.efforts[sample])
+        missed = rest[_BASE:] - gait.efforts[sample]
         efforts, wrench = plant.balanced(state, side)
         torque, voltage = plant.motors.shares(efforts, state.qvel[_BASE:])
         rows.append(
             {
                 "plant_force": np.linalg.norm(rest[:3]),
                 "plant_moment": np.linalg.norm(rest[3:_BASE]),
-                "plant_efforts": missed[plant.driven].max(),
+                "plant_efforts": missed[plant.driven],
                 "plant_cop": pressure_share(wrench, plant.slides),
-                "plant_torque": np.abs(torque).max(),
-                "plant_voltage": np.abs(voltage).max(),
+                "plant_torque": torque,
+                "plant_voltage": voltage,
             }
         )
-    return {name: float(np.max([row[name] for row in rows])) for name in rows[0]}
+    return worst(rows)
 
 
 def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:
@@ -161,8 +158,8 @@ def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:
 
 def impact(gait: StoredGait, plant: Plant) -> dict[str, float]:
     """Stored velocities after touchdown against the plant's plastic impact [rad/s, m/s]."""
-    errors = []
-    for before, after, side in touchdowns(gait, plant.slides):
-        velocity = plant.impact(plant_state(before), side)
-        errors.append(np.abs(velocity - plant_state(after).qvel[plant.dofs]).max())
-    return {"plant_impact": float(np.max(errors))}
+    errors = (
+        plant.impact(plant_state(before), side) - plant_state(after).qvel[plant.dofs]
+        for before, after, side in touchdowns(gait, plant.slides)
+    )
+    return worst([{"plant_impact": error} for error in errors])

@@ -1,12 +1,14 @@
 """Name, unit and meaning of every verified quantity, one number per gait."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from slider.core.quantities import Quantity
+import numpy as np
+from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True)
-class Checked(Quantity):
+class Checked:
     """One number per gait.
 
     Attributes:
@@ -14,8 +16,9 @@ class Checked(Quantity):
         at_least: the bound is a lower one, and small values are the bad ones.
     """
 
-    digits: str = ".3g"
-    check: int = 0
+    check: int
+    title: str
+    unit: str
     at_least: bool = False
 
     def limit(self, bound: float) -> str:
@@ -23,43 +26,40 @@ class Checked(Quantity):
         return f"{'≥' if self.at_least else '≤'} {bound:g}"
 
 
+def worst(rows: Sequence[Mapping[str, ArrayLike]]) -> dict[str, float]:
+    """Greatest magnitude of each quantity; NaN where there is one."""
+    return {name: float(np.abs(np.array([row[name] for row in rows])).max()) for name in rows[0]}
+
+
 QUANTITIES: dict[str, Checked] = {
-    "dynamics_torque": Checked(
-        "stored torques of the knee's joints against pinocchio's", "N m", check=1
-    ),
-    "dynamics_efforts": Checked(
-        "stored efforts of the slide's joints, the same", "N m, N", check=1
-    ),
-    "dynamics_base": Checked("what the stored ground wrench leaves on the base", "N, N m", check=1),
+    "dynamics_torque": Checked(1, "stored torques of the knee's joints against pinocchio's", "N m"),
+    "dynamics_efforts": Checked(1, "stored efforts of the slide's joints, the same", "N m, N"),
+    "dynamics_base": Checked(1, "what the stored ground wrench leaves on the base", "N, N m"),
     "dynamics_line_moment": Checked(
-        "stored moment about the foot line or the ankle's roll", "N m", check=1
+        1, "stored moment about the foot line or the ankle's roll", "N m"
     ),
-    "impact_velocity": Checked("velocities after a plastic impact", "rad/s, m/s", check=2),
-    "impact_impulse": Checked(
-        "impulsive torques that the stored velocities need", "N m s", check=2
-    ),
-    "mean_velocity": Checked("displacement over the walk against the velocity", "m/s", check=3),
-    "periodicity": Checked("jump of joints and base at the touchdowns", "rad, m", check=3),
-    "roll_end": Checked("collocated roll against DOP853 at the end of a step", "rad", check=4),
-    "roll_rate_end": Checked("the same for the roll rate", "rad/s", check=4),
-    "roll_worst": Checked("collocated roll against DOP853 at all nodes", "rad", check=4),
-    "plant_force": Checked(
-        "force that the stored ground wrench leaves on MuJoCo's base", "N", check=5
-    ),
-    "plant_moment": Checked("moment that it leaves there", "N m", check=5),
-    "plant_efforts": Checked("stored efforts against MuJoCo's", "N m, N", check=5),
-    "plant_cop": Checked("centre of pressure as a share of the foot, by MuJoCo", "-", check=5),
-    "plant_torque": Checked("motor torques as a share of their limits, by MuJoCo", "-", check=5),
-    "plant_voltage": Checked("motor voltages as a share of the bus, by MuJoCo", "-", check=5),
-    "plant_impact": Checked("velocities after MuJoCo's plastic impact", "rad/s, m/s", check=5),
-    "dense_penetration": Checked("toe or heel of the swing foot below the ground", "m", check=6),
-    "dense_clearance": Checked("toe or heel below the parabola of gait.posture", "m", check=6),
-    "dense_cop": Checked("centre of pressure as a share of the foot", "-", check=6),
-    "dense_friction": Checked("friction coefficient that the foot needs", "-", check=6),
-    "dense_torque": Checked("motor torques as a share of their limits", "-", check=6),
-    "dense_voltage": Checked("motor voltages as a share of the bus", "-", check=6),
-    "dense_position": Checked("prismatic joints beyond their range", "rad, m", check=6),
+    "impact_velocity": Checked(2, "velocities after a plastic impact", "rad/s, m/s"),
+    "impact_impulse": Checked(2, "impulsive torques that the stored velocities need", "N m s"),
+    "mean_velocity": Checked(3, "displacement over the walk against the velocity", "m/s"),
+    "periodicity": Checked(3, "jump of joints and base at the touchdowns", "rad, m"),
+    "roll_end": Checked(4, "collocated roll against DOP853 at the end of a step", "rad"),
+    "roll_rate_end": Checked(4, "the same for the roll rate", "rad/s"),
+    "roll_worst": Checked(4, "collocated roll against DOP853 at all nodes", "rad"),
+    "plant_force": Checked(5, "force that the stored ground wrench leaves on MuJoCo's base", "N"),
+    "plant_moment": Checked(5, "moment that it leaves there", "N m"),
+    "plant_efforts": Checked(5, "stored efforts against MuJoCo's", "N m, N"),
+    "plant_cop": Checked(5, "centre of pressure as a share of the foot, by MuJoCo", "-"),
+    "plant_torque": Checked(5, "motor torques as a share of their limits, by MuJoCo", "-"),
+    "plant_voltage": Checked(5, "motor voltages as a share of the bus, by MuJoCo", "-"),
+    "plant_impact": Checked(5, "velocities after MuJoCo's plastic impact", "rad/s, m/s"),
+    "dense_penetration": Checked(6, "toe or heel of the swing foot below the ground", "m"),
+    "dense_clearance": Checked(6, "toe or heel below the parabola of gait.posture", "m"),
+    "dense_cop": Checked(6, "centre of pressure as a share of the foot", "-"),
+    "dense_friction": Checked(6, "friction coefficient that the foot needs", "-"),
+    "dense_torque": Checked(6, "motor torques as a share of their limits", "-"),
+    "dense_voltage": Checked(6, "motor voltages as a share of the bus", "-"),
+    "dense_position": Checked(6, "prismatic joints beyond their range", "rad, m"),
     "dense_leg_distance": Checked(
-        "least distance of one leg from the other", "m", check=6, at_least=True
+        6, "least distance of one leg from the other", "m", at_least=True
     ),
 }

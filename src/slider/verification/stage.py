@@ -75,13 +75,12 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         library.dynamics,
         from_dict(CheckConfig, section["verification"]),
     )
-    gaits = {tuple(gait.velocities): gait for gait in gaits_of(library)}
-    velocities = [velocity for velocity in map(tuple, section["velocities"]) if velocity in gaits]
-    records = []
-    for velocity in velocities:
-        values = check_gait(gaits[velocity], table)
-        records.append(dict(zip(VELOCITY, velocity, strict=True)) | values)
-        job.progress(f"{len(records)} of {len(velocities)} gaits")
+    wanted, records = set(map(tuple, section["velocities"])), []
+    gaits = [gait for gait in gaits_of(library) if tuple(gait.velocities) in wanted]
+    for gait in gaits:
+        velocity = dict(zip(VELOCITY, gait.velocities.tolist(), strict=True))
+        records.append(velocity | check_gait(gait, table))
+        job.progress(f"{len(records)} of {len(gaits)} gaits")
     (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
     return {"gaits": len(records)}
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from slider.core import tables
-from slider.core.quantities import NONE
+from slider.core.quantities import NONE, Quantity
 from slider.core.tables import Table
 from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES
@@ -19,6 +19,7 @@ from slider.verification.quantities import QUANTITIES
 Bounds = Mapping[str, float | None]
 
 _SHOWN_FAILURES = 20
+_TEXT = Quantity("", digits=".3g").text
 _OVER_SPEED = "plant_force", "plant_torque", "plant_voltage", "dense_cop"
 
 
@@ -57,7 +58,7 @@ def write_markdown(
         limit = NONE if bound is None else about.limit(bound)
         limit += " **(not held)**" * (name in failed)
         bounded += bound is not None
-        numbers = about.text(values[worst]), place, about.text(values.median())
+        numbers = _TEXT(values[worst]), place, _TEXT(values.median())
         rows.append([str(about.check), f"`{name}`", about.unit, about.title, *numbers, limit])
     verdict = f"{len(failures)} values are beyond their bounds:" if failures else "All bounds hold."
     parts: list[str | Table] = [f"{len(table)} gaits, {bounded} bounds. **{verdict}**"]
@@ -69,6 +70,6 @@ def write_markdown(
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
         head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]
-        rows = [[f"`{n}`", *map(QUANTITIES[n].text, straight[n])] for n in _OVER_SPEED]
+        rows = [[f"`{n}`", *map(_TEXT, straight[n])] for n in _OVER_SPEED]
         parts += ["Straight ahead:", Table(head, rows)]
     path.write_text(tables.markdown(parts), encoding="utf-8")

@@ -1,38 +1,27 @@
 """Good gaits pass; a spoiled gait fails the check of what was spoiled."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from slider.robot.names import VELOCITY
 from slider.verification.quantities import QUANTITIES
 from slider.verification.stage import check_gait
-from slider.verification.summary import judge
-from tests.verification.sample import config, gaits, knee_gait, spoiled, table, turning_gaits
+from tests.verification.sample import failed, gaits, knee_gait, spoiled, table, turning_gaits
 
 OWN = ("dynamics", "impact", "mean_velocity", "periodicity", "plant", "plant_impact")
-SLOW = ("roll", "dense", "legs")
-
-
-def failed(gait, names=OWN, dynamics="prismatic", experiment="default") -> set[str]:
-    """Quantities of the quick checks that are beyond the configured bounds."""
-    bounds = config(f"experiment={experiment}").verification.bounds
-    values = check_gait(gait, {name: table(dynamics)[name] for name in names})
-    row = pd.DataFrame([dict.fromkeys([*VELOCITY, *QUANTITIES]) | values]).astype(float)
-    return set(judge(row, bounds)[0]["failed"][0].split())
 
 
 @pytest.mark.parametrize("turns", [False, True])
 def test_solved_gaits_pass(turns):
     for gait in turning_gaits() if turns else gaits():
-        assert failed(gait, (*OWN, *SLOW)) == set()
+        assert failed(gait, table()) == set()
 
 
 def test_gaits_with_the_knees_dynamics_fail_the_checks_of_the_plant_only():
-    assert failed(knee_gait(), (*OWN, *SLOW), "knee", "paper") == set()
+    assert failed(knee_gait(), table("knee"), experiment="paper") == set()
     missed = {"plant_force", "plant_moment", "plant_efforts", "plant_impact"}
-    assert missed <= failed(knee_gait(), OWN, "knee")
-    assert {"dynamics_base", "dynamics_torque", "impact_velocity"} <= failed(knee_gait())
+    assert missed <= failed(knee_gait(), table("knee"), *OWN)
+    missed = {"dynamics_base", "dynamics_torque", "impact_velocity"}
+    assert missed <= failed(knee_gait(), table(), *OWN)
 
 
 def test_checks_give_all_quantities():
@@ -75,11 +64,11 @@ def test_a_value_that_is_no_number_is_the_worst_one():
 def test_spoiled_gaits_are_caught(array, index, amount, caught):
     turning = array == "velocities" or index == (41, 1)
     gait = (turning_gaits() if turning else gaits())[1]
-    found = failed(spoiled(gait, array, index, amount))
+    found = failed(spoiled(gait, array, index, amount), table(), *OWN)
     assert caught == found if array == "knee_torques" else caught <= found
 
 
 def test_an_unphysical_roll_is_caught_by_the_other_integrator():
     gait = gaits()[1]
     bent = spoiled(gait, "roll", np.s_[0, :, 0], 0.02 * np.linspace(0.0, 1.0, gait.half))
-    assert {"roll_end", "roll_worst"} <= failed(bent, ("roll",))
+    assert {"roll_end", "roll_worst"} <= failed(bent, table(), "roll")

@@ -151,7 +151,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _speeds(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:
     """Success, accuracy, how the robots walk, and the spread of their mean speeds."""
-    frame = report.measured(report.results(evaluations))
+    frame = report.results(evaluations)
     alive = (one.robots.loc[one.robots["survived"], "mean_velocity"] for one in evaluations)
     return frame.assign(mean_velocity_spread=[values.std(ddof=0) for values in alive])
 
@@ -160,7 +160,7 @@ def _speed_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """What is tracked, mean speeds with their spread between robots, and the metrics."""
     yield _highest_table(frame)
     texts = [
-        f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}" if mean == mean else NONE  # no -0.000
+        f"{mean:z.3f} ± {spread:.3f}" if mean == mean else NONE
         for mean, spread in zip(frame["mean_velocity"], frame["mean_velocity_spread"], strict=True)
     ]
     cells = frame.assign(text=texts).groupby(["speed", "label"])["text"].last().unstack()

@@ -23,17 +23,17 @@ def load(folders: Iterable[Path], labels: Mapping[str, str]) -> list[Evaluation]
     return [Evaluation.load(folder, labels) for folder in folders]
 
 
-def results(evaluations: Sequence[Evaluation], library: Sequence[Path] = ()) -> pd.DataFrame:
-    """The rows of :func:`slider.evaluation.results.compare`, with ``label`` and ``source``."""
-    frame = compare(evaluations, library)
+def results(
+    evaluations: Sequence[Evaluation], library: Sequence[Path] | None = None
+) -> pd.DataFrame:
+    """The rows of :func:`slider.evaluation.results.compare`, with ``label`` and ``source``.
+
+    Without the numbers of the library's gaits where ``library`` is None.
+    """
+    frame = compare(evaluations, library or ())
     frame.insert(1, "label", [one.label for one in evaluations])
     frame.insert(2, "source", OURS)
-    return frame
-
-
-def measured(frame: pd.DataFrame) -> pd.DataFrame:
-    """Results without those of the library's gaits."""
-    return frame[[name for name in frame if not name.startswith("reference_")]]
+    return frame if library is not None else frame.filter(regex="^(?!reference_)")
 
 
 def across(

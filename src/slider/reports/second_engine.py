@@ -33,23 +33,22 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``second_engine.csv`` and ``second_engine.md``."""
     ours = report.results(report.load(inputs["evaluations"], section["labels"]))
     engines = pd.DataFrame(section["engines"], columns=["engine", "friction"])
-    frame = pd.concat([engines, report.measured(ours)], axis=1)
+    frame = pd.concat([engines, ours], axis=1)
     tables.write(frame, out / "second_engine.csv")
     audit = json.loads((inputs["audits"][0] / AUDIT).read_text(encoding="utf-8"))
     body = [[one["quantity"], one["part"], *(f"{one[k]:.1g}" for k in _SIZES)] for one in audit]
     audited = Table(["quantity", "part", *_SIZES], body, "Audit")
-    shown = [across(*part) for part in _parts(frame, section["friction"])]
+    shown = _tables(frame, section["friction"])
     parts = [_CAPTION.format(**section["protocol"]), *shown, _AUDIT, audited]
     report.write_document(out / "second_engine.md", "Second engine", section["robot"], parts)
     return {"rows": len(frame)}
 
 
-def _parts(frame: pd.DataFrame, friction: float) -> Iterator[tuple]:
+def _tables(frame: pd.DataFrame, friction: float) -> Iterator[Table]:
     """All commands with the robot's friction; frictions of the controllers that walk on others."""
-    usual = frame["friction"] == friction
-    keys = ["label", "engine"]
-    yield "Commands", "command [m/s]", "speed", COMPARED, frame[usual], keys
+    usual, keys = frame["friction"] == friction, ["label", "engine"]
+    yield across("Commands", "command [m/s]", "speed", COMPARED, frame[usual], keys)
     places = pd.MultiIndex.from_frame(frame[["controller", "speed"]])
-    others = frame[~usual]
+    others = frame[places.isin(places[~usual])]
     title = f"Frictions, {', '.join(map(speed_text, np.sort(others['speed'].unique())))} m/s"
-    yield title, "friction", "friction", _FALLEN, frame[places.isin(places[~usual])], keys
+    yield across(title, "friction", "friction", _FALLEN, others, keys)

@@ -204,13 +204,11 @@ def strongest(summary: pd.DataFrame) -> pd.DataFrame:
     if len(names) <= SHOWN:
         return summary
     shares = summary["metric"].isin(name for name, metric in QUANTITIES.items() if metric.share)
-    size = summary["change"].where(shares).abs()
-    order = size.groupby(summary["variant"]).max().reindex(names[1:]).fillna(0.0)
-    order = order.sort_values(ascending=False, kind="stable").index[: SHOWN - 1]
-    place = {name: index for index, name in enumerate([names.iloc[0], *order])}
-    shown = summary[summary["variant"].isin(place) | summary["metric"].isna()]
-    by_place = shown["variant"].map(place).sort_values(kind="stable").index
-    return shown.loc[by_place]
+    size = summary["change"].where(shares).abs().groupby(summary["variant"]).max()
+    order = size.reindex(names[1:]).fillna(0.0).sort_values(ascending=False, kind="stable")
+    chosen = [names.iloc[0], *order.index[: SHOWN - 1]]
+    shown = [summary[summary["variant"] == name] for name in chosen]
+    return pd.concat([*shown, summary[summary["metric"].isna()]])
 
 
 def blocks(name: str, summary: pd.DataFrame) -> Iterator[str | Table]:

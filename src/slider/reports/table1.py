@@ -132,10 +132,8 @@ def _marked(line: pd.DataFrame, name: str) -> list[str]:
     values = line["value"][fair]
     best = values.max() if share else values.min()
     cells = [_cell(row, name) for row in line.to_dict("records")]
-    if not math.isfinite(best):
-        return cells
-    digits = 3 if share else decimals(best)
-    marks = fair & (line["value"].round(digits) == round(best, digits))
+    digits = 3 if share or not math.isfinite(best) else decimals(best)
+    marks = fair & (line["value"].round(digits) == round(best, digits)) & math.isfinite(best)
     if marks.all():
         return cells
     return [f"**{cell}**" if mark else cell for cell, mark in zip(cells, marks, strict=True)]

@@ -8,10 +8,10 @@ from pkgutil import resolve_name
 from pipeline.targets import report_files
 from slider.config.convert import to_dict
 from slider.core.job import Job
+from slider.core.tables import Table
 from slider.env import observations, rewards
 from slider.reports.page import Page, current_value, paper_statements, read_statements
 from tests.config.composed import CONF, composed
-from tests.reports.sources import tables
 
 HEADS = ["the paper says", "status", "here", "where"]
 ROOT = CONF.parent
@@ -94,11 +94,12 @@ def test_the_papers_experiment_has_other_values():
 
 
 def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
-    shown = tables(paper_statements(Page({"configuration": to_dict(PAPER)}, {}, CONF, Job(CONF))))
+    parts = paper_statements(Page({"configuration": to_dict(PAPER)}, {}, CONF, Job(CONF)))
+    shown = {part.caption: part.rows for part in parts if isinstance(part, Table)}
     assert [*shown] == list(dict.fromkeys(row["part"] for row in read()))
-    assert sum(len(table) - 1 for table in shown.values()) == len(read())
-    values = {row[3]: row[-1] for table in shown.values() for row in table[1:]}
-    assert values["gait.dynamics"] == "knee"
+    rows = [row for table in shown.values() for row in table]
+    assert len(rows) == len(read())
+    assert {row[3]: row[-1] for row in rows}["gait.dynamics"] == "knee"
 
 
 def test_shows_single_values_only():

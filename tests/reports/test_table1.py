@@ -1,12 +1,12 @@
 """The table's numbers from records whose answers are known; the paper's beside them."""
 
-import csv
 import math
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from slider.core import tables
 from slider.core.job import Job
 from slider.env.metrics import QUALITY
 from slider.evaluation.results import quality
@@ -16,13 +16,6 @@ from slider.reports import table1
 from slider.reports.table1 import compare, comparisons
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
-
-# Success with its interval, MSE with and without the start, tracking; spreads.
-COLUMNS = [
-    *("controller", "label", "source", "speed"),
-    *("success_rate", "success_rate_std", "success_low", "success_high"),
-    *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
-]
 
 SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "slider"}
 
@@ -48,25 +41,22 @@ def test_the_stage(tmp_path):
     assert summary == {"rows": 2}
     assert "The paper states one MSE" in (out / "table1.md").read_text()
     assert "# How it walks" in (out / "gait_quality.md").read_text()
-    rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
-    assert list(rows[0]) == COLUMNS
-    ours = [row for row in rows if row["source"] == "measured"]
-    assert [(row["speed"], row["mse"]) for row in ours] == [("0.2", "0.291667"), ("3", "inf")]
-    assert len(rows) == 2 + 14
-    assert {row["source"] for row in rows} == {"measured", "paper"}
-    quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
-    assert [row["speed"] for row in quality] == ["0.2", "3"]
-    assert float(quality[0]["mean_velocity"]) == pytest.approx(1 + 0.875 / 3, rel=1e-5)
-    assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
-    assert {quality[1][name] for name in QUALITY} == {""}
-    assert {row["reference_velocity_variance"] for row in quality} == {""}, "there is no library"
+    rows = tables.read(out / "table1.csv")
+    assert [*rows] == [*table1.COLUMNS]
+    assert rows["source"].value_counts().to_dict() == {"measured": 2, "paper": 14}
+    assert rows[["speed", "mse"]][:2].to_numpy().tolist() == [[0.2, 0.291667], [3, math.inf]]
+    quality = tables.read(out / "gait_quality.csv")
+    assert quality["speed"].tolist() == [0.2, 3]
+    assert quality["mean_velocity"][0] == pytest.approx(1 + 0.875 / 3, rel=1e-5)
+    assert quality["double_support"][0] == pytest.approx(0.875 / 3, rel=1e-5)
+    assert quality.loc[1, [*QUALITY]].isna().all()
+    assert quality["reference_velocity_variance"].isna().all(), "there is no library"
 
 
 def test_the_paper_has_no_rows_of_another_robot(tmp_path):
     walks = make_robots([[1, 1]], [[0.5, 0.25]])
     _, out = run_stage(tmp_path, {0.2: walks}, SECTION | {"robot": "BRUCE"})
-    (row,) = csv.DictReader((out / "table1.csv").read_text().splitlines())
-    assert row["source"] == "measured"
+    assert tables.read(out / "table1.csv")["source"].tolist() == ["measured"]
     for end in ("md", "tex"):
         text = (out / f"table1.{end}").read_text()
         assert "Robot: BRUCE" in text
@@ -92,15 +82,12 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path):
     store = write_store(tmp_path / "gaits", [(0.0, 0.0), (1.0, 0.0)])
     found = dict.fromkeys((0.2, 0.4, 3.0), make_robots([[1, 1]], [[1, 2]]))
     _, out = run_stage(tmp_path, found, library=[store.parent])
-    quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
-    names, library = list(quality[0]), GaitLibrary.load(store)
+    quality, library = tables.read(out / "gait_quality.csv"), GaitLibrary.load(store)
     for name in ("velocity_variance", "touchdown_rate"):
-        beside = names[names.index(name) + 1]
+        beside = quality.columns[quality.columns.get_loc(name) + 1]
         assert beside == f"reference_{name}"
-        for row, speed in zip(quality, (0.2, 0.4), strict=False):
-            expected = getattr(gait_numbers(library, speed), name)
-            assert float(row[beside]) == pytest.approx(expected, rel=1e-5)
-        assert quality[2][beside] == "", "the library ends at 1 m/s"
+        expected = [getattr(gait_numbers(library, speed), name) for speed in (0.2, 0.4)]
+        np.testing.assert_allclose(quality[beside], [*expected, np.nan], rtol=1e-5)  # up to 1 m/s
 
 
 SUCCESS, STEADY, WHOLE, TRACKING = table1.METRICS
@@ -150,24 +137,19 @@ def test_nobody_is_best_where_nobody_survives():
 
 
 @pytest.mark.parametrize(
-    ("value", "spread", "metric", "text"),
+    ("metric", "values", "text"),
     [
-        (0.996, 0.00516, SUCCESS, "99.6 % ± 0.5"),
-        (0.000461344, 1.9e-5, STEADY, "0.000461 ± 0.000019"),
-        (0.0, math.nan, WHOLE, "0.000"),
-        (math.inf, math.nan, WHOLE, "∞"),
+        (SUCCESS, (0.996, 0.00516), "99.6 % ± 0.5"),
+        (SUCCESS, (0.996, math.nan, 0.98981, 0.99844), "99.6 % [99.0, 99.8]"),
+        (STEADY, (0.000461344, 1.9e-5), "0.000461 ± 0.000019"),
+        (WHOLE, (0.0,), "0.000"),
+        (WHOLE, (math.inf,), "∞"),
     ],
 )
-def test_prints_three_digits(value, spread, metric, text):
-    cells = {metric: value, f"{metric}_std": spread}
-    assert compare(pd.DataFrame([row_of("policy", 1.0, **cells)]), metric).rows[0][1] == text
-
-
-def test_success_has_its_interval_and_the_papers_has_none():
-    rows = [row_of("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
-    rows.append(row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
-    _, ours, papers = compare(pd.DataFrame(rows), SUCCESS).rows[0]
-    assert (ours, papers) == ("99.6 % [99.0, 99.8]", "**100.0 %**")
+def test_prints_three_digits_spread_and_interval(metric, values, text):
+    names = metric, f"{metric}_std", "success_low", "success_high"
+    row = row_of("policy", 1.0, **dict(zip(names, values, strict=False)))
+    assert compare(pd.DataFrame([row]), metric).rows[0][1] == text
 
 
 def test_latex_is_escaped_and_balanced():

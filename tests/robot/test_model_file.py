@@ -18,31 +18,35 @@ from slider.config.convert import from_dict, to_dict
 from slider.config.parameters import parameters
 from slider.config.robot import HIP_JOINTS, LINKS, RobotConfig, Sole
 from slider.core.errors import UserError
+from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
 from slider.robot.model_file import read_model
 from tests.config.composed import CONF, composed
 from tests.robot.lopsided import kneed, lopsided, turned
+from tests.robot.soled import with_soles
 
 SLIDER = composed().robot
 ROLES = {"base": "base", "joints": {name: [f"left_{name}", f"right_{name}"] for name in LINKS}}
+NO_YAW = {"base": "base", "joints": ROLES["joints"] | {"hip_yaw": None, "upper_foot": None}}
+KNEED = {  # in our own model a knee has the slide's name
+    "base": "base",
+    "joints": {
+        "knee" if name == "slide" else name: pair if name != "upper_foot" else None
+        for name, pair in ROLES["joints"].items()
+    },
+}
 AXES = {"hip_yaw": [0, 0, 1], "slide": [0, 0, -1], "hip_roll": [1, 0, 0], "ankle_roll": [1, 0, 0]}
 
 
 def mjcf(robot: RobotConfig, folder: Path) -> Path:
-    spec = build_spec(robot, SimulationOptions())
+    return saved(build_spec(robot, SimulationOptions()), folder)
+
+
+def saved(spec: mujoco.MjSpec, folder: Path) -> Path:
     spec.compile()
     path = folder / "robot.xml"
     path.write_text(spec.to_xml(), encoding="utf-8")
     return path
-
-
-def flat(node: dict, place: str = "") -> dict[str, Any]:
-    """Values of nested ones by their dotted keys."""
-    found = {}
-    for name, value in node.items():
-        below = flat(value, f"{place}{name}.") if isinstance(value, dict) else {place + name: value}
-        found |= below
-    return found
 
 
 @pytest.mark.parametrize(
@@ -52,24 +56,20 @@ def flat(node: dict, place: str = "") -> dict[str, Any]:
 )
 @pytest.mark.parametrize("side", [None, "right"])
 def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp_path):
-    roles: dict[str, Any] = ROLES | {"side": side}
-    if robot.geometry.knee is not None:  # whose joint has the slide's name in our own model
-        joints = dict(ROLES["joints"]) | {"upper_foot": None}
-        if robot.geometry.sole is not None:
-            del joints["upper_foot"]
-            joints["ankle_roll"] = ["left_ankle_roll", "right_ankle_roll"]
-        else:
-            light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
-            robot = replace(robot, links=replace(robot.links, upper_foot=light))
-        roles["joints"] = {"knee": joints.pop("slide")} | joints
-    found = read_model(mjcf(robot, tmp_path), roles)
+    roles = ROLES
+    if robot.geometry.sole is not None:
+        roles = {"base": "base", "joints": rolls(KNEED["joints"])}
+    elif robot.geometry.knee is not None:
+        light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
+        robot, roles = replace(robot, links=replace(robot.links, upper_foot=light)), KNEED
+    found = read_model(mjcf(robot, tmp_path), roles | {"side": side})
     assert sum(found.held.values()) < 1e-8
     assert found.differs[0] < 1e-6
-    expected = flat({name: to_dict(robot)[name] for name in found.values})
+    expected = flatten({name: to_dict(robot)[name] for name in found.values})
     for name, drive in robot.drives.items():
         if name in robot.joints:
             expected[f"joints.{name}.armature"] += drive.inertia
-    given = flat({k: v for k, v in found.values.items() if k not in ("drives", "gains")})
+    given = flatten({k: v for k, v in found.values.items() if k not in ("drives", "gains")})
     assert {"links.tube.products", "geometry.axes.hip_yaw", "joints.slide.damping"} <= given.keys()
     for name, value in given.items():
         if value is None:
@@ -93,10 +93,7 @@ def footed(folder: Path, x: float, y: float, turn: float = 0.0) -> Path:
         foot.add_geom(name=f"{side}_sole", pos=place, contype=1, **box)
     for part in [*spec.pairs, *spec.sensors]:
         spec.delete(part)
-    spec.compile()
-    path = folder / "robot.xml"
-    path.write_text(spec.to_xml(), encoding="utf-8")
-    return path
+    return saved(spec, folder)
 
 
 @pytest.mark.parametrize("side", [None, "right"])
@@ -106,19 +103,15 @@ def test_the_line_is_in_the_middle_of_the_models_sole(side, tmp_path):
     sole = {"y": 0.12, "width": 0.1, "ankle_height": 0.04, "toe": 0.13, "heel": 0.07}
     assert found.foot == pytest.approx(sole, abs=1e-6)
     geometry, links = found.values["geometry"], found.values["links"]
-    assert [geometry[name] for name in ("ankle_height", "toe", "heel")] == pytest.approx(
-        [0.04, 0.13, 0.07], abs=1e-6
-    )
-    assert sum(geometry["axes"][name][1] for name in AXES_Y) == pytest.approx(0.12)
+    for name in ("ankle_height", "toe", "heel"):
+        assert geometry[name] == pytest.approx(sole[name], abs=1e-6)
+    assert sum(geometry["axes"][name][1] for name in HIP_JOINTS) == pytest.approx(0.12)
     assert links["tube"]["com"][1] == pytest.approx(SLIDER.links.tube.com[1] - 0.02)
     assert links["roll"]["com"][1] == pytest.approx(SLIDER.links.roll.com[1])
     typed = read_model(path, roles | {"foot_y": 0.09}).values["geometry"]["axes"]
-    assert sum(typed[name][1] for name in AXES_Y) == pytest.approx(0.09)
+    assert sum(typed[name][1] for name in HIP_JOINTS) == pytest.approx(0.09)
     width, depth = (np.ptp(np.array(outline)[:, 0]) for outline in found.outlines)
     assert (width, depth) == pytest.approx((0.2, 0.1), abs=1e-3)
-
-
-AXES_Y = ("hip_yaw", "hip_roll", "hip_pitch")
 
 
 def test_a_sole_that_is_not_level_is_told(tmp_path):
@@ -127,34 +120,23 @@ def test_a_sole_that_is_not_level_is_told(tmp_path):
     assert found.values["geometry"].keys().isdisjoint(["ankle_height", "toe", "heel"])
 
 
-@pytest.mark.parametrize(
-    ("x", "roles", "message"),
-    [
-        (0.03, {"forward": "-x"}, "(the base looks along −x: roles.forward: -x)"),
-        (0.03, {"joints": {k: [*reversed(v)] for k, v in ROLES["joints"].items()}}, "are swapped)"),
-    ],
-)
-def test_a_base_that_looks_backwards_is_told_from_legs_that_are_swapped(
-    x, roles, message, tmp_path
-):
-    with pytest.raises(UserError, match=re.escape(message)):
-        read_model(footed(tmp_path, x, 0.0), ROLES | roles)
+def printed(folder: Path, text: str, capsys) -> str:
+    """What ``slider robot`` says of a folder with this ``robot.yaml``."""
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    assert main(["robot", str(folder), "--conf", str(CONF)]) == 0
+    return capsys.readouterr().out
 
 
 def test_legs_that_are_swapped_on_a_base_that_looks_backwards(tmp_path, capsys):
     footed(tmp_path, 0.03, 0.0)
-    text = SWAPPED.replace("roles: {", "roles: {forward: -x, ")
-    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
-    assert main(["robot", str(tmp_path), "--conf", str(CONF)]) == 0
-    assert "remark: the feet are behind the ankles" in capsys.readouterr().out
+    said = printed(tmp_path, SWAPPED.replace("roles: {", "roles: {forward: -x, "), capsys)
+    assert "remark: the feet are behind the ankles" in said
 
 
 def test_a_line_beside_the_models_sole_is_told(tmp_path, capsys):
     footed(tmp_path, 0.03, 0.02)
     text = TEXT.replace("roles: {", "geometry: {toe: 0.085}\nroles: {foot_y: 0.11, ")
-    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
-    assert main(["robot", str(tmp_path), "--conf", str(CONF)]) == 0
-    said = capsys.readouterr().out
+    said = printed(tmp_path, text, capsys)
     assert "remark: y of the foot line is 0.110 m, of the model 0.120" in said
     assert "remark: toe of the foot line is 0.085 m, of the model 0.130" in said
     assert "remark: heel" not in said
@@ -167,26 +149,14 @@ def test_a_pose_that_turns_the_feet_is_told(tmp_path):
     assert read_model(robot, ROLES | {"pose": pose}).foot_rotation == pytest.approx(0.1, abs=1e-6)
 
 
-KNEED = {
-    "base": "base",
-    "joints": {
-        "knee" if name == "slide" else name: pair
-        for name, pair in (ROLES["joints"] | {"upper_foot": None}).items()
-    },
-}
-
-
 def apart(robot: RobotConfig, file: mujoco.MjModel, pose: dict[str, float]) -> float:
     """Largest distance of axes [m], difference of their directions, or, with a sole, of the legs'
     mass matrix by its largest element, at 100 random states.
     """
     sole = robot.geometry.sole is not None
     last = [name for name in robot.geometry.leg_joints if name != "upper_foot"]
-    model, rng, worst = (
-        build_spec(robot, SimulationOptions()).compile(),
-        np.random.default_rng(3),
-        0.0,
-    )
+    rng, worst = np.random.default_rng(3), 0.0
+    model = build_spec(robot, SimulationOptions()).compile()
     datas = ours, theirs = mujoco.MjData(model), mujoco.MjData(file)
     masses = np.zeros((2, model.nv, model.nv))
     for _ in range(100):
@@ -399,18 +369,12 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
     return path
 
 
-NO_YAW = {**ROLES["joints"], "hip_yaw": None, "upper_foot": None}
-
-
 def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_path):
     robot = lopsided()
-    found = read_model(urdf(robot, tmp_path), {"base": "base", "joints": NO_YAW})
+    found = read_model(urdf(robot, tmp_path), NO_YAW)
     values, geometry = found.values, robot.geometry
     assert found.held == {"arm_joint": pytest.approx(0.25)}
-    for name in ("roll", "pitch", "tube", "foot"):
-        for quantity, value in vars(getattr(robot.links, name)).items():
-            given = values["links"][name][quantity]
-            np.testing.assert_allclose(given, value, atol=1e-6, err_msg=f"{name}.{quantity}")
+    assert_links(values, robot, "roll", "pitch", "tube", "foot")
     both = robot.links.base.mass + 2 * robot.links.yaw.mass  # the yaw links are welded to it
     assert values["links"]["base"]["mass"] == pytest.approx(both)
     assert values["links"]["yaw"]["mass"] == 0.001
@@ -421,30 +385,29 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     assert values["joints"]["slide"] == pytest.approx(slide)
 
 
+def assert_links(values: dict[str, Any], robot: RobotConfig, *names: str) -> None:
+    for name in names:
+        for quantity, value in vars(getattr(robot.links, name)).items():
+            given = values["links"][name][quantity]
+            np.testing.assert_allclose(given, value, atol=1e-6, err_msg=f"{name}.{quantity}")
+
+
+def rolls(joints: dict[str, Any]) -> dict[str, Any]:
+    """The roll of the ankle in the place of the upper foot."""
+    others = {name: pair for name, pair in joints.items() if name != "upper_foot"}
+    return others | {"ankle_roll": ["left_ankle_roll", "right_ankle_roll"]}
+
+
 def test_a_urdf_of_sliding_legs_with_soles(tmp_path):
     """Without geometry of a foot its height and width are typed."""
-    robot, sole = lopsided(), Sole(roll_height=0.03, width=0.07)
-    links = replace(robot.links, talus=robot.links.upper_foot, upper_foot=None)
-    joints = {name: joint for name, joint in robot.joints.items() if name != "upper_foot"}
-    parts = {
-        name: values | {"ankle_roll": values["ankle"]}
-        for name, values in (("joints", joints), ("drives", robot.drives), ("gains", robot.gains))
-    }
-    geometry = replace(robot.geometry, sole=sole)
-    robot = replace(
-        robot, geometry=geometry, links=links, virtual_knee=None, provenance={}, **parts
-    )
+    robot = with_soles(lopsided(), 0.07, 0.03)
     height = robot.geometry.ankle_height
     typed = {"capstan": None, "geometry.ankle_height": height, "geometry.sole.width": 0.07}
-    joints = {name: pair for name, pair in NO_YAW.items() if name != "upper_foot"}
-    joints["ankle_roll"] = ["left_ankle_roll", "right_ankle_roll"]
-    found = read_model(urdf(robot, tmp_path), {"base": "base", "joints": joints}, typed).values
+    roles = {"base": "base", "joints": rolls(NO_YAW["joints"])}
+    found = read_model(urdf(robot, tmp_path), roles, typed).values
     assert found["geometry"]["sole"] == pytest.approx({"roll_height": 0.03, "width": 0.07})
     assert (found["virtual_knee"], found["links"]["upper_foot"]) == (None, None)
-    for name in ("talus", "foot"):
-        for quantity, value in vars(getattr(robot.links, name)).items():
-            given = found["links"][name][quantity]
-            np.testing.assert_allclose(given, value, atol=1e-6, err_msg=f"{name}.{quantity}")
+    assert_links(found, robot, "talus", "foot")
     assert found["joints"]["ankle_roll"]["upper"] == 0.4
     assert found["drives"]["ankle_roll"]["torque"] == 1.0
 
@@ -469,11 +432,11 @@ BOX = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
     ids=["mimic", "without inertia"],
 )
 def test_a_urdf_is_one_whatever_its_file_is_called(before, after, message, tmp_path):
-    text = urdf(lopsided(), tmp_path).read_text(encoding="utf-8")
-    path = tmp_path / "robot.xml"
-    path.write_text(f"<!-- <mujoco> -->{re.sub(before, after, text, count=1)}", encoding="utf-8")
+    path = urdf(lopsided(), tmp_path).rename(tmp_path / "robot.xml")
+    substitute(path, before, after)
+    change(path, "<robot", "<!-- <mujoco> --><robot")
     with pytest.raises(UserError, match=message):
-        read_model(path, {"base": "base", "joints": NO_YAW})
+        read_model(path, NO_YAW)
 
 
 @pytest.mark.parametrize(
@@ -488,42 +451,38 @@ def test_a_urdf_is_one_whatever_its_file_is_called(before, after, message, tmp_p
 def test_held_bodies_without_mass_or_with_an_impossible_inertia(
     before, after, remark, mass, tmp_path
 ):
-    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
-    expected = read_model(path, roles).values["links"]["base"]["mass"] + mass
-    text = path.read_text(encoding="utf-8")
-    path.write_text(re.sub(before, after, text, count=1), encoding="utf-8")
-    found = read_model(path, roles)
+    path = urdf(lopsided(), tmp_path)
+    expected = read_model(path, NO_YAW).values["links"]["base"]["mass"] + mass
+    substitute(path, before, after)
+    found = read_model(path, NO_YAW)
     assert found.values["links"]["base"]["mass"] == pytest.approx(expected, abs=1e-6)
     assert remark in " ".join(found.remarks)
 
 
 @pytest.mark.parametrize("name", ["robot.URDF", "robot.model"])
 def test_the_ending_of_a_files_name_is_of_no_matter(name, tmp_path):
-    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
-    expected = read_model(path, roles)
-    assert read_model(path.rename(tmp_path / name), roles) == expected
+    path = urdf(lopsided(), tmp_path)
+    expected = read_model(path, NO_YAW)
+    assert read_model(path.rename(tmp_path / name), NO_YAW) == expected
 
 
 def test_the_base_may_have_its_frame_at_the_ground_or_look_elsewhere(tmp_path):
-    path, roles = urdf(lopsided(), tmp_path), {"base": "base", "joints": NO_YAW}
-    expected = read_model(path, roles)
+    path, expected = urdf(lopsided(), tmp_path), read_model(tmp_path / "robot.urdf", NO_YAW)
     root = '<joint name="root" type="fixed"><parent link="footprint"/><child link="base"/>'
     root += '<origin xyz="0 0 0.7" rpy="0 0 {}"/></joint><link name="footprint"/></robot>'
     text = path.read_text(encoding="utf-8")
     for turn, forward in ((0.0, "x"), (np.pi, "-x"), (np.pi / 2, "y"), (-np.pi / 2, "-y")):
         path.write_text(text.replace("</robot>", root.format(turn)), encoding="utf-8")
-        found = read_model(path, roles | {"base": "footprint", "forward": forward})
-        (remark,) = (text for text in found.remarks if "origin" in text)
+        found = read_model(path, NO_YAW | {"base": "footprint", "forward": forward})
         above = np.sum(list(expected.values["geometry"]["axes"].values())[1:4], axis=0)[2]
-        assert remark == f"the base's origin is {0.7 + above:.3f} m above that of the model, " + (
-            "between the hips"
-        )
-        given, own = flat(found.values), flat(expected.values)
+        remark = f"the base's origin is {0.7 + above:.3f} m above that of the model"
+        assert remark in " ".join(found.remarks)
+        given, own = flatten(found.values), flatten(expected.values)
         for name in ("links.tube.com", "links.base.mass", "geometry.leg_length"):
             np.testing.assert_allclose(given[name], own[name], atol=1e-6)
         assert given["links.base.com"][2] == pytest.approx(own["links.base.com"][2] - above, 1e-6)
     with pytest.raises(UserError, match="ankle at y = -"):
-        read_model(path, roles | {"base": "footprint", "forward": "y"})
+        read_model(path, NO_YAW | {"base": "footprint", "forward": "y"})
 
 
 def test_hinges_on_one_body_leave_light_links(tmp_path):
@@ -625,9 +584,13 @@ def test_meshes_and_textures_that_are_not_there_are_not_read(folder):
 
 
 def change(path: Path, before: str, after: str) -> None:
-    content = path.read_text(encoding="utf-8")
-    assert before in content
-    path.write_text(content.replace(before, after, 1), encoding="utf-8")
+    substitute(path, re.escape(before), after.replace("\\", r"\\"))
+
+
+def substitute(path: Path, pattern: str, text: str, count: int = 1) -> None:
+    content, times = re.subn(pattern, text, path.read_text("utf-8"), count=count, flags=re.DOTALL)
+    assert times
+    path.write_text(content, encoding="utf-8")
 
 
 TENDON = '<tendon><fixed name="t"><joint joint="left_slide" coef="1"/></fixed></tendon>'
@@ -638,9 +601,8 @@ def joined(constraint: str) -> tuple[str, str]:
 
 
 def test_a_joint_without_a_range_needs_a_typed_one(folder):
-    text = (folder / XML).read_text(encoding="utf-8")
-    text = re.sub('(_hip_roll"[^>]*) range="[^"]*"([^>]*) limited="true"', r"\1\2", text)
-    (folder / XML).write_text(text, encoding="utf-8")
+    pattern = '(_hip_roll"[^>]*) range="[^"]*"([^>]*) limited="true"'
+    substitute(folder / XML, pattern, r"\1\2", 0)
     message = "a joint with a range, or joints.hip_roll.lower and joints.hip_roll.upper"
     with pytest.raises(UserError, match=message):
         read(folder / YAML)
@@ -654,10 +616,8 @@ SERVO = "<position joint='left_hip_roll' kp='30' kv='2' gear='3' forcerange='-7 
 
 
 def test_motors_come_from_the_model_but_for_typed_values(folder):
-    text = (folder / XML).read_text(encoding="utf-8")
-    text = re.sub("<(actuator|sensor)>.*?</\\1>", "", text, flags=re.DOTALL)
-    text = text.replace("</mujoco>", f"<actuator>{MOTOR}{SERVO}</actuator></mujoco>")
-    (folder / XML).write_text(text, encoding="utf-8")
+    substitute(folder / XML, r"<(actuator|sensor)>.*?</\1>", "", 0)
+    change(folder / XML, "</mujoco>", f"<actuator>{MOTOR}{SERVO}</actuator></mujoco>")
     change(folder / YAML, "name: mine", "name: mine\ngains: {hip_roll: {kp: 5.0}}")
     robot = composed(f"robot={folder}").robot
     yaw, roll = robot.drives["hip_yaw"], robot.drives["hip_roll"]
@@ -672,12 +632,11 @@ def test_motors_come_from_the_model_but_for_typed_values(folder):
 
 
 def test_a_urdf_has_limits_of_effort_and_velocity(tmp_path):
-    roles = {"base": "base", "joints": NO_YAW}
-    found = read_model(urdf(lopsided(), tmp_path), roles, {"capstan": None})
+    found = read_model(urdf(lopsided(), tmp_path), NO_YAW, {"capstan": None})
     for name in ("hip_roll", "slide"):
         drive = found.values["drives"][name]
         assert (drive["torque"], drive["speed"]) == (1.0, 1.0)
-    assert "slide" not in read_model(tmp_path / "robot.urdf", roles).values["drives"]
+    assert "slide" not in read_model(tmp_path / "robot.urdf", NO_YAW).values["drives"]
 
 
 def test_xacro_says_what_to_run_first(folder):
@@ -687,17 +646,13 @@ def test_xacro_says_what_to_run_first(folder):
 
 
 def test_a_slide_that_is_slightly_off_is_told(folder):
-    for x, told in ((0.0035, True), (0.02, False)):
-        text = (folder / XML).read_text(encoding="utf-8")
-        axis = rf'\1axis="{x} 0 -1"'
-        text = re.sub('(_slide" type="slide"[^>]*)axis="[^"]*"', axis, text)
-        (folder / XML).write_text(text, encoding="utf-8")
-        if told:
-            remarks = read(folder / YAML)["model"]["remarks"]
-            assert "left_slide counts as along z, 0.20° off" in remarks
-        else:
-            with pytest.raises(UserError, match="slide: expected an axis along z"):
-                read(folder / YAML)
+    pattern = '(_slide" type="slide"[^>]*)axis="[^"]*"'
+    substitute(folder / XML, pattern, r'\1axis="0.0035 0 -1"', 0)
+    remarks = read(folder / YAML)["model"]["remarks"]
+    assert "left_slide counts as along z, 0.20° off" in remarks
+    substitute(folder / XML, pattern, r'\1axis="0.02 0 -1"', 0)
+    with pytest.raises(UserError, match="slide: expected an axis along z"):
+        read(folder / YAML)
 
 
 def test_an_anchor_may_be_anywhere_on_its_axis(folder):
@@ -708,11 +663,9 @@ def test_an_anchor_may_be_anywhere_on_its_axis(folder):
 
 @pytest.mark.parametrize(("product", "passes"), [(0.03, True), (0.08, False)])
 def test_products_of_the_base_count_as_zero_and_are_told(product, passes, folder):
-    text = (folder / XML).read_text(encoding="utf-8")
     full = f"0.03 0.02 0.03 {0.03 * product} 0 0"
     base = f'<inertial pos="0 0 0.05" mass="2.25" fullinertia="{full}"/>'
-    text = re.sub('<inertial pos="0 0 0.05"[^>]*/>', base, text, count=1)
-    (folder / XML).write_text(text, encoding="utf-8")
+    substitute(folder / XML, '<inertial pos="0 0 0.05"[^>]*/>', base)
     if not passes:
         with pytest.raises(UserError, match=r"within 5% of its moments \(roles.tolerance\), found"):
             read(folder / YAML)
@@ -740,13 +693,10 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "base: base", "base: world", "roles.base: expected the body of the base, found wo"),
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
-        (YAML, "[left_slide, right_slide]", "left_slide", "slide: expected a list, found"),
-        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or the b", id="swapped"),
+        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or r", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
-        (YAML, "base: base,", "base: base, side: top,", "roles.side: expected 'left' or 'right'"),
         (YAML, "base: base,", "base: base, sides: left,", "unknown configuration key"),
-        (YAML, "joints: {", "pose: {left_slide: x}, joints: {", "expected a valid number"),
         (YAML, "joints: {", "pose: {left_hip_roll: 0.5}, joints: {", "a level sole and the ankle"),
         (
             YAML,
@@ -793,13 +743,11 @@ def test_a_mistake_is_one_line(folder, name, before, after, message):
 def test_the_example_of_the_tutorial(tmp_path, capsys):
     """What it inherits is listed; a hip that is wrong by 0.0455 rad is turned."""
     folder = shutil.copytree(CONF.parent / "docs/examples/robots/bruce", tmp_path / "bruce")
-    assert main(["robot", str(folder), "--conf", str(CONF)]) == 0
-    said = capsys.readouterr().out.splitlines()
+    text = (folder / YAML).read_text()
+    said = printed(folder, text, capsys).splitlines()
     assert said[0].startswith("BRUCE: 4.53 kg, base 0.450 m above the ground")
     (rest,) = (line for line in said if line.startswith("from the robot that it builds on: "))
     assert "contact.friction" in rest
     assert "torque" not in rest
-    text = (folder / "robot.yaml").read_text()
-    (folder / "robot.yaml").write_text(text.replace("hip_pitch: -0.3455", "hip_pitch: -0.3"))
-    assert main(["robot", str(folder), "--conf", str(CONF)]) == 0
-    assert "solved pose: {left_hip_pitch: -0.3455, left_ankle: -0.3545" in capsys.readouterr().out
+    said = printed(folder, text.replace("hip_pitch: -0.3455", "hip_pitch: -0.3"), capsys)
+    assert "solved pose: {left_hip_pitch: -0.3455, left_ankle: -0.3545" in said

@@ -31,17 +31,20 @@ def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[
     bare = re.sub(rb"(?s)<!--.*?-->", b"", content)
     expected = f"a URDF or MJCF: first run `xacro {path.name} > robot.urdf`"
     require(b"<xacro:" not in bare, "robot.model", expected, f"xacro in {path.name}")
+    first = re.search(rb"<(\w+)", bare)  # which tells MuJoCo, too
+    urdf = first is not None and first[1] == b"robot"
     try:
         spec = _read(path, content)
-        ankles = set(roles.joints.get("ankle") or ())
-        meshes, urdf = prepare_feet(spec, ankles, path.parent), _is_urdf(bare)
+        meshes = prepare_feet(spec, set(roles.joints.get("ankle") or ()), path.parent)
+        told = _strip(spec, urdf, roles, meshes)
         try:
-            model, told = _compile(spec, urdf, roles, meshes)
+            model = spec.compile()
         except ValueError:
             if not meshes:
                 raise
-            model, told = _compile(_read(path, content), urdf, roles, set())
-            told.append("meshes of the feet cannot be read")
+            spec = _read(path, content)
+            told = [*_strip(spec, urdf, roles, set()), "meshes of the feet cannot be read"]
+            model = spec.compile()
     except (ValueError, OSError) as error:
         text = " ".join([*str(error).split(), *" ".join(warnings).split()])
         raise UserError(f"robot.model: {path.name}: {text}") from None
@@ -57,18 +60,6 @@ def _read(path: Path, content: bytes) -> mujoco.MjSpec:
     if path.suffix in (".xml", ".urdf"):
         return mujoco.MjSpec.from_file(str(path))
     return mujoco.MjSpec.from_string(content.decode())
-
-
-def _compile(
-    spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]
-) -> tuple[mujoco.MjModel, list[str]]:
-    told = _strip(spec, urdf, roles, meshes)
-    return spec.compile(), told
-
-
-def _is_urdf(text: bytes) -> bool:
-    """Tell by the first element, as MuJoCo does."""
-    return (first := re.search(rb"<(\w+)", text)) is not None and first[1] == b"robot"
 
 
 def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> list[str]:
@@ -110,9 +101,11 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
     for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
-    told = [f"no inertial element, so no mass: {', '.join(bare)}"] * bool(bare)
-    told += [f"impossible inertia, so a point mass: {', '.join(broken)}"] * bool(broken)
-    return told
+    causes = {
+        "no inertial element, so no mass": bare,
+        "impossible inertia, so a point mass": broken,
+    }
+    return [f"{cause}: {', '.join(names)}" for cause, names in causes.items() if names]
 
 
 def _is_rigid(body: mujoco.MjsBody) -> bool:

@@ -28,7 +28,7 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
+_LEVEL = 0.04  # of a sole [rad]
 APART = 5e-3  # of a foot's middle from its line, or from the axis of the roll [m]
 
 
@@ -81,13 +81,11 @@ def read_model(
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
-    _check_side(lateral, leg[tree.last], foot)
+    found = f"its ankle at y = {lateral:.3f} m (left and right are swapped, or roles.forward is -x)"
+    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
     if not shape and roles.foot_y is None and not tree.has_sole:
-        other = (left if leg is right else right)["ankle"].place[1]
-        tree.remarks.append(
-            f"no geometry of a foot that can be read: its line is at the ankle's anchor, y = "
-            f"{lateral:.3f} m ({other:.3f} on the other side); roles.foot_y types it"
-        )
+        text = f"its line is at the ankle's anchor, y = {lateral:.3f} m; roles.foot_y types it"
+        tree.remarks.append(f"no geometry of a foot that can be read: {text}")
     line = roles.foot_y if roles.foot_y is not None else foot.get("y") or lateral
     if tree.has_sole:
         middle, line = line, leg["ankle_roll"].place[1]
@@ -98,21 +96,19 @@ def read_model(
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
         places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
-    links = {"base": _values(base, np.zeros(3)) if base.mass > LEAST_MASS else _LIGHT}
     below = SOLE_LINKS if tree.has_sole else LINKS
-    links |= dict.fromkeys(below.values(), _LIGHT)
-    heavy = {name: part.body for name, part in leg.items() if part.body.mass > LEAST_MASS}
-    links |= {below[name]: _values(body, places[name]) for name, body in heavy.items()}
-    light = [below[name] for name in leg if name not in heavy]
-    light += ["base"] * (base.mass < LEAST_MASS)
-    if light:
+    bodies = {below[name]: (part.body, places[name]) for name, part in leg.items()}
+    bodies["base"] = base, np.zeros(3)
+    links = dict.fromkeys(("base", *below.values()), _LIGHT)
+    links |= {name: _values(*b) for name, b in bodies.items() if b[0].mass > LEAST_MASS}
+    if light := [name for name in bodies if links[name] is _LIGHT]:
         tree.remarks.append(f"no mass in the model, 1 g here: {', '.join(light)}")
     joints = {name: part.joint for name, part in leg.items()}
     joints |= {name: joint for name, joint in OPTIONAL_JOINTS.items() if name not in leg}
     robot = {"geometry": _geometry(leg, places, tree), "links": links, "joints": joints}
-    robot |= {"virtual_knee": None, "capstan": None} if tree.has_knee else {}
+    if tree.has_knee or tree.has_sole:
+        robot |= {"virtual_knee": None} | ({"capstan": None} if tree.has_knee else {})
     if tree.has_sole:
-        robot |= {"virtual_knee": None}
         robot |= {name: robot[name] | {"upper_foot": None} for name in ("links", "joints")}
     if shape and abs(tilt := shape.tilt()) > _LEVEL:
         text = f"turn the ankle by {tilt:.2f} rad about y"
@@ -123,10 +119,9 @@ def read_model(
     if tree.has_sole:
         robot["geometry"]["sole"] = _sole(places, foot, typed)
     values, motors = drives(tree.motors(int(leg is right), speeds), typed)
-    robot |= values
-    told = tree.foot_rotation(), tree.solved, tree.remarks
+    told = tree.foot_rotation, tree.solved, tree.remarks
     outlines = shape.outlines() if shape else []
-    return ModelFile(robot, tree.held(), differs, offset, *told, foot, outlines, motors)
+    return ModelFile(robot | values, tree.held(), differs, offset, *told, foot, outlines, motors)
 
 
 def _compare(
@@ -153,18 +148,6 @@ def _compare(
     alike = roles.side is not None or differences[worst] <= roles.tolerance
     require(alike, "robot.model", expected, f"{worst} that differ by {differences[worst]:.1%}")
     return differences[worst], worst
-
-
-def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
-    """Refuse a left leg on the right, with the cause as the foot, below ``last``, tells it."""
-    heavy = last.body.mass > LEAST_MASS
-    ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
-    cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
-    if abs(ahead) > _AHEAD:
-        cause = "the base looks along −x: roles.forward: -x"
-        cause = "left and right are swapped" if ahead > 0.0 else cause
-    found = f"its ankle at y = {lateral:.3f} m ({cause})"
-    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
 
 
 def _geometry(

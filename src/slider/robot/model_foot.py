@@ -77,15 +77,11 @@ class Foot:
 
     def outlines(self) -> list[list[list[float]]]:
         """Convex outlines in x and z, and in y and z [m]."""
-        turns = np.linspace(0.0, 2 * np.pi, _CORNERS)
-        ways = np.array([[np.cos(turn), np.sin(turn)] for turn in turns])
-        sides = ways[:, :1] * np.eye(3)[0], ways[:, :1] * np.eye(3)[1]
+        turns = np.linspace(0.0, 2 * np.pi, _CORNERS)[:, None]
+        ways = [np.cos(turns) * side + np.sin(turns) * np.eye(3)[2] for side in np.eye(3)[:2]]
         return [
-            [
-                self.extent(*way)[[axis, 2]].round(4).tolist()
-                for way in side + ways[:, 1:] * np.eye(3)[2]
-            ]
-            for axis, side in enumerate(sides)
+            [self.extent(*way)[[axis, 2]].round(4).tolist() for way in round_about]
+            for axis, round_about in enumerate(ways)
         ]
 
     def _support(self, geom: int, direction: np.ndarray, round_on: np.ndarray) -> np.ndarray:

@@ -60,10 +60,13 @@ class LegPose:
         across = ["hip_pitch", "ankle", *["slide"] * self._knee]
         if any(abs(self._seen(name)[1][1]) < np.cos(np.deg2rad(MAX_TURN)) for name in across):
             return {}  # to be refused for its axis
-        bends = bend is not None or (self._knee and self._off() < LEAST_BEND)
-        posed, level = self._foot(data), self._level
-        far = Rotation.from_matrix(posed @ level.T).magnitude() > _FAR
-        level = posed if far and "ankle" in typed else level
+        bends = bend is not None
+        if self._knee and not bends:  # unless it is off the line from hip to ankle already
+            leg, shank = self._sides()
+            off = np.linalg.norm(np.cross(leg, shank)) / (leg @ leg)
+            bends = bool(off < LEAST_BEND)
+        far = "ankle" in typed and self.turned() > _FAR
+        level = self._foot(data) if far else self._level
         start = {name: float(data.qpos[self._place(name)]) for name in self._joints}
         if bends and self._knee:
             self._bend(_BEND if bend is None else bend)
@@ -75,7 +78,7 @@ class LegPose:
                 data.qpos[self._place(name)] = angle
             mujoco.mj_kinematics(model, data)
             turned = Rotation.from_matrix(self._foot(data) @ level.T).as_rotvec()
-            return np.append(turned, self._ahead())
+            return np.append(turned, (self._on_line("ankle") - self._on_line("hip_pitch"))[0])
 
         first = [start[name] for name in solved]
         *turned, ahead = missed(first)
@@ -89,6 +92,10 @@ class LegPose:
         now = {name: float(data.qpos[self._place(name)]) for name in self._joints}
         return {name: value for name, value in now.items() if value != start[name]}
 
+    def turned(self) -> float:
+        """Angle of the foot between the data's pose and the model's own zero [rad]."""
+        return float(Rotation.from_matrix(self._foot(self._data) @ self._level.T).magnitude())
+
     def _place(self, name: str) -> int:
         return self._model.jnt_qposadr[self._joints[name]]
 
@@ -100,12 +107,10 @@ class LegPose:
 
     def _seen(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Place (3,) from the base and axis (3,) of a joint."""
-        turn, index = (
-            self._forward @ self._data.xmat[self._base].reshape(3, 3).T,
-            self._joints[name],
-        )
-        place = self._data.xanchor[index] - self._data.xpos[self._base]
-        return turn @ place, turn @ self._data.xaxis[index]
+        data, index = self._data, self._joints[name]
+        turn = self._forward @ data.xmat[self._base].reshape(3, 3).T
+        place = data.xanchor[index] - data.xpos[self._base]
+        return turn @ place, turn @ data.xaxis[index]
 
     def _on_line(self, name: str) -> np.ndarray:
         """The point (3,) of a joint's axis with the foot line's y."""
@@ -117,14 +122,6 @@ class LegPose:
         """From the pitch axis to the ankle (3,), at the foot line's y; likewise from the knee."""
         ankle = self._on_line("ankle")
         return ankle - self._on_line("hip_pitch"), ankle - self._on_line("slide")
-
-    def _ahead(self) -> float:
-        return float((self._on_line("ankle") - self._on_line("hip_pitch"))[0])
-
-    def _off(self) -> float:
-        """Distance of a knee from the line from hip to ankle, as a share of that."""
-        leg, shank = self._sides()
-        return float(np.linalg.norm(np.cross(leg, shank)) / (leg @ leg))
 
     def _bend(self, angle: float) -> None:
         """Bend the knee by an angle [rad] from the straight leg, in the sense of its range."""

@@ -108,6 +108,7 @@ class ModelTree:
         self._zero, self.solved = self._pose(roles.pose), dict[str, float]()
         along, across = np.cos(_TURNS[roles.forward]), np.sin(_TURNS[roles.forward])
         forward = np.array([[along, -across, 0.0], [across, along, 0.0], [0.0, 0.0, 1.0]])
+        legs = []
         for side in range(2):
             joints = {name: pair[side] for name, pair in self._joints.items()}
             line = None if roles.foot_y is None or self.has_sole else roles.foot_y * (1 - 2 * side)
@@ -116,7 +117,9 @@ class ModelTree:
             typed = [name for name in joints if names[name] in roles.pose]
             for name, angle in leg.solve(typed, roles.bend).items():
                 self._zero[joints[name]] = self.solved[names[name]] = angle
+            legs.append(leg)
         mujoco.mj_kinematics(model, self._data)
+        self.foot_rotation = legs[0].turned()
         mujoco.mj_comPos(model, self._data)
         self._turn = forward @ self._data.xmat[self._base].reshape(3, 3).T
         self._origin = self._data.xpos[self._base].copy()
@@ -189,10 +192,8 @@ class ModelTree:
         if kind == "joint":
             return [model.jnt_bodyid[index], model.body_parentid[model.jnt_bodyid[index]]]
         if kind == "tendon":
-            of = {
-                int(mujoco.mjtWrap.mjWRAP_JOINT): "joint",
-                int(mujoco.mjtWrap.mjWRAP_SITE): "site",
-            }
+            kinds = mujoco.mjtWrap
+            of = {int(kinds.mjWRAP_JOINT): "joint", int(kinds.mjWRAP_SITE): "site"}
             start = model.tendon_adr[index]
             parts = slice(start, start + model.tendon_num[index])
             wraps = zip(model.wrap_type[parts], model.wrap_objid[parts], strict=True)
@@ -206,6 +207,7 @@ class ModelTree:
     def _hip_order(self, side: int) -> tuple[str, ...]:
         """Joints of a hip from the base down; those with a role follow one another to the ankle."""
         model, hip = self._model, ()
+        moved = _KNEE if self.has_knee else "slide"
         for name in ("ankle", "upper_foot", "ankle_roll"):
             if name not in self._joints:
                 continue
@@ -216,23 +218,14 @@ class ModelTree:
             key = f"robot.roles.joints.{name}"
             require(body == self._base, key, "a joint below the base", model.joint(chain[0]).name)
             named = {pair[side]: role for role, pair in self._joints.items()}
+            named[self._joints["slide"][side]] = moved
             order = [named[index] for index in reversed(chain) if index in named]
             hip = tuple(role for role in order if role in HIP_JOINTS)
-            expected = [*hip, "slide", *["ankle"] * (name == "ankle_roll"), name]
-            if self.has_knee:
-                order, expected = (
-                    [_KNEE if role == "slide" else role for role in roles]
-                    for roles in (order, expected)
-                )
+            expected = [*hip, moved, *["ankle"] * (name == "ankle_roll"), name]
             end = model.joint(self._joints[name][side]).name
             text = f"{', '.join(expected)} from the base to {end}"
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
         return hip
-
-    @property
-    def last(self) -> str:
-        """Role of the joint that moves the foot."""
-        return "ankle_roll" if self.has_sole else "ankle"
 
     @property
     def reach(self) -> float:
@@ -259,7 +252,8 @@ class ModelTree:
 
     def foot(self, side: int) -> Foot:
         """Geometry of a side's foot in the base's frame."""
-        bodies = np.flatnonzero(self._owners == self._joints[self.last][side])
+        last = self._joints["ankle_roll" if self.has_sole else "ankle"][side]
+        bodies = np.flatnonzero(self._owners == last)
         return Foot(self._data, bodies, self._origin, self._turn)
 
     def motors(self, side: int, speeds: Mapping[str, float]) -> dict[str, Any]:
@@ -267,8 +261,8 @@ class ModelTree:
         each has its own.
         """
         own = self.has_knee or "capstan" in self._typed  # as null
-        names = [name for name in self._joints if name != "upper_foot"]
-        names = [name for name in names if own or name not in ("slide", "ankle")]
+        others = ("upper_foot",) if own else ("upper_foot", "slide", "ankle")
+        names = [name for name in self._joints if name not in others]
         return {name: motor_of(self._model, self._joints[name][side], speeds) for name in names}
 
     def base(self) -> tuple[Body, float]:
@@ -296,36 +290,22 @@ class ModelTree:
         """Joints without a role and the mass [kg] that each and those beyond it, as seen from the
         base, carry.
         """
-        model, owners, result, holders = self._model, self._owners, {}, {}
-        above = [self._base]
-        while model.body_parentid[above[-1]] > 0:
-            above.append(int(model.body_parentid[above[-1]]))
-        below = np.flatnonzero(model.body_rootid == model.body_rootid[self._base])
-        nearer = {body: int(model.body_parentid[body]) for body in below}  # parents come first
-        nearer |= dict(zip(above[1:], above[:-1], strict=True))  # but above the base
-        for body in [*above, *(body for body in below if body not in above)]:
-            near = nearer[body]
-            joints = set(self._joints_of(near if body in above[1:] else int(body))) - self._roles
-            held = sorted(k for k in joints if model.jnt_type[k] != _FREE)
-            if body == self._base:
-                continue
-            holder = holders.get(near) if owners[body] == owners[near] else None
-            if held and holder is None:
-                holder = model.joint(held[0]).name or f"a joint of {model.body(body).name}"
-            if holder is not None:
-                result[holder] = result.get(holder, 0.0) + float(model.body_mass[body])
-            holders[body] = holder
+        model, parents, owners, result = self._model, self._model.body_parentid, self._owners, {}
+        holders: dict[int, str | None] = {self._base: None}
+        bodies = [self._base]
+        for near in bodies:  # outwards from the base, up and down the tree
+            beyond = {*np.flatnonzero(parents == near), parents[near]} - holders.keys() - {0}
+            for body in sorted(map(int, beyond)):
+                joints = set(self._joints_of(near if body == parents[near] else body))
+                held = [k for k in joints - self._roles if model.jnt_type[k] != _FREE]
+                holder = holders[near] if owners[body] == owners[near] else None
+                if held and holder is None:
+                    holder = model.joint(min(held)).name or f"a joint of {model.body(body).name}"
+                if holder is not None:
+                    result[holder] = result.get(holder, 0.0) + float(model.body_mass[body])
+                holders[body] = holder
+                bodies.append(body)
         return result
-
-    def foot_rotation(self) -> float:
-        """Angle of the left foot between the pose and the model's own zero [rad]."""
-        foot = self._model.jnt_bodyid[self._joints[self.last][0]]
-        posed = self._turn @ self._data.xmat[foot].reshape(3, 3)
-        rest = mujoco.MjData(self._model)
-        mujoco.mj_kinematics(self._model, rest)
-        base, own = (rest.xmat[body].reshape(3, 3) for body in (self._base, foot))
-        cosine = (np.trace(posed @ (base.T @ own).T) - 1.0) / 2.0
-        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def _joint(self, name: str, side: int) -> tuple[dict[str, float], np.ndarray]:
         """Range and passive properties, of a left leg; unit vector along the axis (3,)."""
@@ -405,16 +385,14 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     expected = f"{', '.join(LINKS)}, or {_KNEE} in place of slide, ankle_roll of upper_foot"
     wanted = set(SOLE_LINKS) - {"upper_foot" if "ankle_roll" in table else "ankle_roll"}
     require(set(table) == wanted, key, expected, ", ".join(roles.joints))
-    lacks = [
-        name for name, pair in roles.joints.items() if pair is None and name not in OPTIONAL_JOINTS
-    ]
-    require(
-        not lacks, key, f"null for no other than {' and '.join(OPTIONAL_JOINTS)}", ", ".join(lacks)
-    )
-    present = {name: pair for name, pair in table.items() if pair is not None}
+    lacks = [name for name, pair in roles.joints.items() if pair is None]
+    lacks = [name for name in lacks if name not in OPTIONAL_JOINTS]
+    expected = f"null for no other than {' and '.join(OPTIONAL_JOINTS)}"
+    require(not lacks, key, expected, ", ".join(lacks))
     pairs = {
-        name: (_index(model, "joint", left, key), _index(model, "joint", right, key))
-        for name, (left, right) in present.items()
+        name: (_index(model, "joint", pair[0], key), _index(model, "joint", pair[1], key))
+        for name, pair in table.items()
+        if pair is not None
     }
     used = [index for pair in pairs.values() for index in pair]
     require(len(set(used)) == len(used), key, "each joint once", "one for two roles")

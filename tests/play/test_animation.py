@@ -52,75 +52,66 @@ def test_writes_pictures_that_move(tmp_path):
     assert (pictures[0] != pictures[1]).any()
 
 
-def test_shows_the_ground_below_the_robot(tmp_path, monkeypatch):
-    reliefs = []
+class Pictures:
+    """Black ones in the place of what is rendered, and what was asked for."""
 
-    def render(robot, frames, size, cameras, relief):
-        reliefs.append(relief)
+    def __init__(self, monkeypatch):
+        self.frames, self.reliefs, self.facts, self.alarms = [], [], [], []
+        monkeypatch.setattr(film, "render", self.render)
+        monkeypatch.setattr(film, "annotate", self.annotate)
+
+    def render(self, robot, frames, size, cameras, relief):
+        self.frames.append(frames)
+        self.reliefs.append(relief)
         return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
 
-    monkeypatch.setattr(film, "render", render)
+    def annotate(self, picture, title, texts, alarm):
+        self.facts.append(texts)
+        self.alarms.append(alarm)
+        return Image.fromarray(picture)
+
+
+@pytest.fixture
+def pictures(monkeypatch):
+    return Pictures(monkeypatch)
+
+
+def test_shows_the_ground_below_the_robot(tmp_path, pictures):
     slope = "evaluation.disturbance.terrain={kinds:[slope_across],level:{lower:4,upper:4}}"
     path = str(tmp_path / "walk.webp")
     options = ["mpc_wbc_tuned", "--film", path, "--seconds", "1.0", "--conf", str(CONF)]
     assert cli.main(["play", *options, "--set", slope]) == 0
-    (relief,) = reliefs
+    (relief,) = pictures.reliefs
     across, along = (np.diff(relief.heights, axis=axis).mean() for axis in (0, 1))
     assert abs(across) == pytest.approx(0.02 * np.tan(np.radians(5.0)), rel=1e-6)
     assert along == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_fall_is_shown_from_the_start(tmp_path, monkeypatch, capsys):
-    times = []
-
-    def render(robot, frames, size, cameras, relief):
-        times.extend(frame.time for frame in frames)
-        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
-
-    monkeypatch.setattr(film, "render", render)
+def test_a_fall_is_shown_from_the_start(tmp_path, monkeypatch, capsys, pictures):
     path = tmp_path / "fall.webp"
-    assert cli.main(["play", "random", "--film", str(path), "--conf", str(CONF)]) == 1
-    said = capsys.readouterr().out
-    assert said == f"{path}: agent random fell after {times[-1]:.2f} s\n"
-    assert times[0] < 1 / 25
+    options = ["play", "random", "--film", str(path), "--conf", str(CONF)]
+    assert cli.main(options) == 1
+    first, *_, last = pictures.frames[0]
+    assert capsys.readouterr().out == f"{path}: agent random fell after {last.time:.2f} s\n"
+    assert first.time < 1 / 25
     assert path.is_file()
-    alarms = []
-
-    def annotate(picture, title, texts, alarm):
-        alarms.append(alarm)
-        return Image.fromarray(picture)
-
-    monkeypatch.setattr(film, "annotate", annotate)
     monkeypatch.setattr(animation, "TILES", animation.TILES[:3])
-    options = ["--film", str(path), "--tiles", "--conf", str(CONF)]
-    assert cli.main(["play", "random", *options]) == 1
+    assert cli.main([*options, "--tiles"]) == 1
     assert capsys.readouterr().out == f"{path}: a robot fell\n"
-    assert all(alarms), "it lies there to the end"
+    assert all(pictures.alarms), "it lies there to the end"
 
 
-def test_tiles_show_ground_push_and_measured_speed(tmp_path, monkeypatch):
-    shown, facts = [], []
-
-    def render(robot, frames, size, cameras, relief):
-        shown.append((relief is not None, np.array([frame.qpos[1] for frame in frames])))
-        return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
-
-    def annotate(picture, title, texts, alarm):
-        facts.append(texts)
-        return Image.fromarray(picture)
-
-    monkeypatch.setattr(film, "render", render)
-    monkeypatch.setattr(film, "annotate", annotate)
+def test_tiles_show_ground_push_and_measured_speed(tmp_path, monkeypatch, pictures):
     walk, pushed, stairs = (animation.TILES[index] for index in (1, 3, 5))
     monkeypatch.setattr(animation, "TILES", (walk, pushed, stairs))
     path = tmp_path / "tiles.webp"
     options = ["--policy", str(CONF.parent / "docs" / "policy"), "--seconds", "2.0"]
     options += ["--film", str(path), "--tiles", "--conf", str(CONF), "--set", "robot=slider"]
     assert cli.main(["play", *options]) == 0
-    assert [uneven for uneven, _ in shown] == [False, False, True]
-    ways = [np.ptp(places) for _, places in shown]
+    assert [relief is not None for relief in pictures.reliefs] == [False, False, True]
+    ways = [np.ptp([frame.qpos[1] for frame in frames]) for frames in pictures.frames]
     assert ways[1] > ways[0] + 0.1, "the push moves the robot sideways"
-    measured = float(facts[len(facts) // 3 - 1][1].split()[1])
+    measured = float(pictures.facts[len(pictures.facts) // 3 - 1][1].split()[1])
     assert measured == pytest.approx(walk.speed, rel=0.05)
     with Image.open(path) as image:
         assert image.size == (3 * 320, 240)

@@ -60,18 +60,12 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     require(length >= _WALK, "--film", f"--seconds of at least {_WALK:g}", f"{length:g}")
     frames = loop.record(scene.motion, control, _WARM_UP + length)
     fell, every = frames[-1].failed, round(1.0 / (_FRAME_RATE * scene.motion.period))
-    if fell:
-        shown, first = frames[::-every][::-1], 0
-        end = len(shown)
-    else:
-        shown, first = frames[::every], round(_WARM_UP * _FRAME_RATE)
-        end = first + repeats_at(shown[first:])
+    shown = frames[::-every][::-1] if fell else frames[::every]
+    first = 0 if fell else round(_WARM_UP * _FRAME_RATE)
+    end = len(shown) if fell else first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
-    seen, terrain = shown[first // 2 : end], scene.motion.terrain
-    ground = None if terrain is None else film.relief(terrain.ground, seen)
-    rendered = list(film.render(scene.robot, seen, _SIZE, ("side",), ground))
-    pictures = [Image.fromarray(picture) for picture in rendered[first - first // 2 :]]
-    _write(pictures, path)
+    rendered = _render(scene, shown[first // 2 : end], _SIZE, "side")
+    _write([Image.fromarray(picture) for picture in rendered[first - first // 2 :]], path)
     print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
     return int(fell)
 
@@ -87,26 +81,27 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
         every = round(1.0 / (_FRAME_RATE * scene.motion.period))
         # The camera follows with a lag: it begins to move a second before.
         shown = frames[round((_WARM_UP - 1.0) / scene.motion.period) :: every]
-        terrain = scene.motion.terrain
-        ground = None if terrain is None else film.relief(terrain.ground, shown)
-        rendered = film.render(scene.robot, shown, _TILE, (tile.camera,), ground)
-        columns.append(
-            [
-                film.annotate(picture, tile.title, facts, frame.failed)
-                for picture, facts, frame in zip(rendered, _facts(tile, shown), shown, strict=True)
-            ][_FRAME_RATE:]
-        )
+        rendered = _render(scene, shown, _TILE, tile.camera)
+        parts = zip(rendered, _facts(tile, shown), shown, strict=True)
+        pictures = [film.annotate(seen, tile.title, facts, at.failed) for seen, facts, at in parts]
+        columns.append(pictures[_FRAME_RATE:])
         fallen |= frames[-1].failed
     pictures = []
     for moment in zip(*columns, strict=True):
-        size = (len(TILES) // _COLUMNS, _COLUMNS)
-        tiles = np.array([np.asarray(picture) for picture in moment])
-        height, width, colours = tiles.shape[1:]
-        grid = tiles.reshape(*size, height, width, colours).swapaxes(1, 2)
-        pictures.append(Image.fromarray(grid.reshape(size[0] * height, -1, colours)))
+        rows = (moment[first : first + _COLUMNS] for first in range(0, len(TILES), _COLUMNS))
+        pictures.append(Image.fromarray(np.vstack([np.hstack(row) for row in rows])))
     _write(pictures, path)
     print(f"{path}: a robot fell" if fallen else path)
     return int(fallen)
+
+
+def _render(
+    scene: Scene, frames: list[Frame], size: tuple[int, int], camera: str
+) -> list[np.ndarray]:
+    """Pictures of a scene's robot on its ground."""
+    terrain = scene.motion.terrain
+    ground = None if terrain is None else film.relief(terrain.ground, frames)
+    return list(film.render(scene.robot, frames, size, (camera,), ground))
 
 
 def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
@@ -134,15 +129,8 @@ def _facts(tile: Tile, frames: list[Frame]) -> list[list[str]]:
 
 def _write(pictures: Sequence[Image.Image], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    pictures[0].save(
-        path,
-        save_all=True,
-        append_images=pictures[1:],
-        duration=1000 // _FRAME_RATE,
-        loop=0,
-        quality=_QUALITY,
-        method=4,
-    )
+    options = {"duration": 1000 // _FRAME_RATE, "loop": 0, "quality": _QUALITY, "method": 4}
+    pictures[0].save(path, save_all=True, append_images=pictures[1:], **options)
 
 
 def repeats_at(frames: list[Frame]) -> int:

@@ -92,9 +92,14 @@ def agent_scene(
     """
     one_of("agent", name, (POLICY, *config.control, *SMOKE_AGENTS))
     robot, env = config.robot, config.env
-    if name in SMOKE_AGENTS:
+    if name in SMOKE_AGENTS:  # they hold the nominal pose, or their actions are uniform in ±1
         env = replace(env, action=replace(env.action, offset="nominal"))
-        controller, physics = _smoke_agent(robot, env, seed, random=name == "random")
+        generator, size = torch.Generator().manual_seed(seed), float(name == "random")
+        controller = PolicyController(
+            lambda _: size * (2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0),
+            AgentInterface(robot, env, 1, StepTimes.constant(_STEP_TIME)),
+        )
+        physics = BatchedPhysics(robot, env.physics, 1, 1)
     else:
         env, control, enforced = env.plant, config.control[name], None
         if isinstance(control, HzdControlConfig):
@@ -113,21 +118,6 @@ def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
     vx, vy, yaw_rate = motion.velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)
-
-
-def _smoke_agent(
-    robot: RobotConfig, env: EnvConfig, seed: int, random: bool
-) -> tuple[PolicyController, BatchedPhysics]:
-    """An agent that holds the nominal pose, or whose actions are uniform in ±1."""
-    agent = AgentInterface(robot, env, 1, StepTimes.constant(_STEP_TIME))
-    generator = torch.Generator().manual_seed(seed)
-
-    def network(observations: torch.Tensor) -> torch.Tensor:
-        if not random:
-            return torch.zeros(1, NUM_JOINTS)
-        return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
-
-    return PolicyController(network, agent), BatchedPhysics(robot, env.physics, 1, 1)
 
 
 class Replay:

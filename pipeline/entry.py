@@ -28,7 +28,7 @@ from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.core import environment, files
-from slider.core.errors import UserError, is_read_only, not_written, require_docstrings
+from slider.core.errors import UserError, is_read_only, not_written, require, require_docstrings
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import Tracking
@@ -142,10 +142,9 @@ class Pipeline:
         Raises:
             UserError: the recipe is not of the current plan.
         """
-        job = self.plan.jobs.get(wildcards.recipe)
-        if job is None:
-            raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
-        return [self._manifest(item) for item in job.needs]
+        recipe = wildcards.recipe
+        require(recipe in self.plan.jobs, "recipe", "one of the current plan", recipe)
+        return [self._manifest(item) for item in self.plan.jobs[recipe].needs]
 
     def _manifest(self, job: JobSpec) -> str:
         return str(self.store.manifest_path(job.stage, job.recipe))
@@ -178,7 +177,7 @@ class Pipeline:
 
     def _object(self, job: JobSpec) -> str:
         """Digest of a result; empty without one."""
-        manifest = self.store.present(self.store.manifest_path(job.stage, job.recipe))
+        manifest = self.store.present(Path(self._manifest(job)))
         return manifest.result.object if manifest else ""
 
     def finish(self, succeeded: bool) -> None:
@@ -281,19 +280,13 @@ def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
     Raises:
         UserError: another name, no text, or an open quote.
     """
+    expected = f"{OPTION}='key=value ...'"
     for name in settings:
-        if name != OPTION:
-            raise UserError(
-                f"unknown --config name '{name}', expected {OPTION}='key=value ...', "
-                "such as --config hydra='gait.cost=transport experiment=paper'"
-            )
+        require(name == OPTION, "--config", expected, name)
     text = settings.get(OPTION) or ""  # none given, or nothing between the quotes
-    if not isinstance(text, str):
-        raise UserError(f"--config {OPTION}: expected text of the form key=value, found {text!r}")
+    require(isinstance(text, str), "--config", expected, repr(text))
     try:
         return shlex.split(text)
     except ValueError as error:
-        raise UserError(
-            f"--config {OPTION}: {error} in {text!r} (Snakemake takes quotes off both ends of the "
-            "value: a space before or after them keeps them)"
-        ) from None
+        hint = "Snakemake takes quotes off both ends: a space before or after them keeps them"
+        raise UserError(f"--config {OPTION}: {error} in {text!r} ({hint})") from None

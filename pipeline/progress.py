@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from slider.artefacts.forecast import expected, latest_rates
-from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.plan import Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
 
@@ -58,8 +58,8 @@ class Progress:
             summaries = [self._store.read_manifest(*item).result.summary for item in items]
             self._write(table(job.section["labels"], summaries))
             took = duration(self._ended[job.recipe] - self._start)
-            text = f"Table 1 took {took}: reports/table1.md has intervals and the paper's rows"
-            self._write(text)
+            more = "reports/table1.md has intervals and the paper's rows"
+            self._write(f"Table 1 took {took}: {more}")
 
     def began(self, recipe: str) -> None:
         """A job started."""
@@ -70,21 +70,15 @@ class Progress:
         """A job succeeded."""
         job = self._plan.jobs[recipe]
         with self._lock:
-            took = self._took(job)
+            began = self._running.pop(recipe, self._start)
+            took = computed_seconds(self._store.metadata(job.stage, recipe), began)
             self._ended[recipe] = time.time()
-            self._running.pop(recipe, None)
             self._line(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
 
     def failed(self, recipe: str) -> None:
         """A job failed."""
         with self._lock:
             self._running.pop(recipe, None)
-
-    def _took(self, job: JobSpec) -> float | None:
-        """Seconds of a computation of this run [s]; none where an earlier result was reused."""
-        began = self._running.get(job.recipe, self._start)
-        metadata = self._store.metadata(job.stage, job.recipe)
-        return computed_seconds(metadata, began)
 
     def _line(self, text: str) -> None:
         """Write the jobs done, the share of the work, the time left, and a text."""

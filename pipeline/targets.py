@@ -10,7 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from pipeline.stages import all_jobs
-from pipeline.stages.entries import STAGES, compared
+from pipeline.stages.entries import STAGES, compared, tables
 from pipeline.stages.evaluation import baseline_tuning, gauge_job, second_engine
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
@@ -73,16 +73,16 @@ def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     files = {name: stage.files for name, stage in STAGES.items() if stage.files}
     for name, protocol in config.protocols.items():
         drawn = protocol.profile is None or protocol.profile.rows != "cases"
-        files[name] = compared(name) if drawn else compared(name)[:2]
+        files[name] = compared(name) if drawn else tables(name)
     files |= {name: _studied(name, study) for name, study in config.study.items()}
     return {name: tuple(f"reports/{file}" for file in own) for name, own in files.items()}
 
 
 def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     """Files of a study; learning curves where it trains, by default all that there can be."""
-    table, text, picture = compared(name)
-    curves = (f"{name}_curves.csv", picture) if study is None or study.training else ()
-    return (table, text, f"{name}_runs.csv", *curves)
+    trained = study is None or study.training is not None
+    curves = [f"{name}_curves.csv"] * trained
+    return (*(compared if trained else tables)(name), f"{name}_runs.csv", *curves)
 
 
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:

@@ -84,9 +84,8 @@ def controlled(
     if base == POLICY:
         return section | simulation(config), {"walking": [jobs["walking"]]}
     if base in config.gauge.policies:
-        return section | simulation(config), {
-            "policy": [_import(config.gauge.policies[base], base)]
-        }
+        policy = _import(config.gauge.policies[base], base)
+        return section | simulation(config), {"policy": [policy]}
     section |= {
         "robot": robot(config),
         "plant": to_dict(config.env.plant),
@@ -209,20 +208,17 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         contact = replace(config.robot.contact, friction=friction)
         there = replace(config, robot=replace(config.robot, contact=contact))
         for one in evaluations_of(there, protocol, jobs, f", friction {friction:g}"):
-            made = {"MuJoCo": one} | {name: _in_drake(one, name, audits[name]) for name in audits}
+            made = {"MuJoCo": one}
+            for name, audit in audits.items():  # it comes before the walks
+                section = {**one.section, "drake": audit.section["drake"]}
+                inputs = {**one.inputs, "audit": [audit]}
+                made[name] = job("drake_evaluation", f"{one.label}, {name}", section, inputs)
             rows += [(name, friction) for name in made]
             evaluations += made.values()
     section = titles(config, settings.protocol.controllers)
     section |= {"engines": rows, "friction": usual, "protocol": to_dict(settings.protocol)}
     inputs = {"evaluations": evaluations, "audits": list(audits.values())}
     return job("second_engine", "second engine", section, inputs)
-
-
-def _in_drake(evaluation: JobSpec, engine: str, audit: JobSpec) -> JobSpec:
-    """An evaluation in Drake, which begins after the audit of the model."""
-    section = {**evaluation.section, "drake": audit.section["drake"]}
-    inputs = {**evaluation.inputs, "audit": [audit]}
-    return job("drake_evaluation", f"{evaluation.label}, {engine}", section, inputs)
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:

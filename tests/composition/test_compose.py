@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from hydra import compose, initialize_config_dir
 
-from pipeline.entry import open_pipeline
 from pipeline.stages.gaits import velocities
 from tests.config.composed import CONF, composed, refusal
 
@@ -62,22 +61,6 @@ def test_hydra_of_the_caller_stays_as_it_was(tmp_path):
 )
 def test_every_mistake_is_one_line(override, message, refused):
     assert message in refused("config", override, "--conf", str(CONF))
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ("gait.cost='paper", "a space before or after them keeps them"),
-        ("env/phase=none env.action.offset=nominal", "standing: env.observation.terms:"),
-    ],
-)
-def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit, match=r"^1$"):
-        open_pipeline({"hydra": settings}, CONF)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_fine_tuning_has_the_values_of_the_walking_training():

@@ -9,10 +9,19 @@ from types import SimpleNamespace
 import pytest
 from snakemake.cli import parse_config
 
-from pipeline.entry import PLAN, open_pipeline, parse_overrides
+from pipeline.entry import PLAN, Pipeline, open_pipeline, parse_overrides
 from slider.artefacts.run_metadata import config_option
 from slider.core.errors import UserError
 from tests.config.composed import CONF
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def opened(overrides: str = "", **options) -> Pipeline:
+    return open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF, **options)
 
 
 @pytest.mark.parametrize(
@@ -24,39 +33,30 @@ from tests.config.composed import CONF
         ("resources.threads=3", 2, 3, 3),
     ],
 )
-def test_a_training_holds_one_core_and_uses_idle_ones(
-    tmp_path, monkeypatch, overrides, cores, slots, threads
-):
-    monkeypatch.chdir(tmp_path)
-    opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF, cores=cores)
-    assert opened.slots == slots
-    assert opened.threads(slots) == threads
+def test_a_training_holds_one_core_and_uses_idle_ones(overrides, cores, slots, threads):
+    pipeline = opened(overrides, cores=cores)
+    assert (pipeline.slots, pipeline.threads(slots)) == (slots, threads)
 
 
-def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    settings = {"hydra": "experiment=test"}
-    head = open_pipeline(settings, CONF)
+def test_a_job_takes_the_plan_of_the_head_on_another_processor(monkeypatch):
+    head = opened()
     head.manifest("sensitivity")(None)
     plans = {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()}
 
     for name in ("ATEN_CPU_CAPABILITY", "ONEDNN_MAX_CPU_ISA", "MKL_CBWR"):
         monkeypatch.setenv(name, {"MKL_CBWR": "SSE4_2"}.get(name, "default"))
-    job = open_pipeline(settings | {PLAN: str(head.plan_path)}, CONF, head=False)
+    settings = {"hydra": "experiment=test", PLAN: str(head.plan_path)}
+    job = open_pipeline(settings, CONF, head=False)
     for recipe in head.plan.jobs:
         wildcards = SimpleNamespace(recipe=recipe)
         assert job.inputs(wildcards) == head.inputs(wildcards)
     assert job.run == head.run
     assert {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()} == plans
 
-    other = open_pipeline(settings, CONF)
-    assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
+    assert not head.plan.jobs.keys() <= opened().plan.jobs.keys()
 
 
-PLACES = ("artefacts", "reports", "artefacts/plans")
-
-
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", ["artefacts", "reports", "artefacts/plans"])
 @pytest.mark.parametrize(
     ("put", "found"),
     [
@@ -64,24 +64,22 @@ PLACES = ("artefacts", "reports", "artefacts/plans")
         (lambda path: path.symlink_to("/disk"), "a link to /disk, which is not there"),
     ],
 )
-def test_what_is_no_folder_is_one_line(tmp_path, monkeypatch, capsys, place, put, found):
-    monkeypatch.chdir(tmp_path)
+def test_what_is_no_folder_is_one_line(capsys, place, put, found):
     Path(place).parent.mkdir(exist_ok=True)
     put(Path(place))
     with pytest.raises(SystemExit, match="1"):
-        open_pipeline({"hydra": "experiment=test"}, CONF)
+        opened()
     assert capsys.readouterr().err == f"slider: expected a folder at {place}, found {found}\n"
 
 
-def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    opened = open_pipeline({"hydra": "experiment=test"}, CONF)
-    manifest, marker = opened.manifest("table1")(None), Path("artefacts/current/table1")
-    for place in (opened.plan_path, Path("reports/table1.csv"), marker, Path(manifest)):
+def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, capsys):
+    pipeline, marker = opened(), Path("artefacts/current/table1")
+    manifest = Path(pipeline.manifest("table1")(None))
+    for place in (pipeline.plan_path, Path("reports/table1.csv"), marker, manifest):
         kept = place.exists() and place.rename(tmp_path / "kept")
         place.mkdir(parents=True)
         with pytest.raises(SystemExit, match="1"):
-            open_pipeline({"hydra": "experiment=test"}, CONF)
+            opened()
         (line,) = capsys.readouterr().err.splitlines()
         assert re.fullmatch(rf"slider: expected .* {place}, found.* (folder|Is a directory)", line)
         place.rmdir()
@@ -90,11 +88,10 @@ def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, monkeypatch, caps
 
 
 @pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
-def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch, given):
-    monkeypatch.chdir(tmp_path)
+def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(monkeypatch, given):
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     settings = SimpleNamespace(config_args=given)
-    head = open_pipeline({"hydra": "experiment=test tracking.enabled=false"}, CONF)
+    head = opened("tracking.enabled=false")
     dag = SimpleNamespace(needrun_jobs=list)
     head.start(SimpleNamespace(local_exec=False, config_settings=settings, dag=dag))
     assert settings.config_args == [*(given or []), f"plan={head.plan_path}"]
@@ -109,9 +106,9 @@ def test_overrides_come_back_through_shell_and_snakemake(overrides):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"hydra": 3}, "expected text of the form key=value, found 3"),
-        ({"hydar": "gait.nodes=3"}, "unknown --config name 'hydar'"),
-        ({"hydra": "a='b"}, "No closing quotation"),
+        ({"hydra": 3}, "expected hydra='key=value ...', found 3"),
+        ({"hydar": "gait.nodes=3"}, "expected hydra='key=value ...', found hydar"),
+        ({"hydra": "a='b"}, "No closing quotation .* before or after them keeps them"),
     ],
 )
 def test_a_mistake_in_the_option_is_one_line(setting, message):

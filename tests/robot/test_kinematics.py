@@ -1,4 +1,4 @@
-"""Turns about the vertical by hand; feet and legs against MuJoCo."""
+"""Turns about the vertical; feet and legs against MuJoCo."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.config.robot import Geometry, RobotConfig
+from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import (
     about_z,
@@ -32,12 +32,6 @@ ROBOTS = pytest.mark.parametrize(
     [ROBOT, lopsided(), kneed(), turned(False), turned(True), soled()],
     ids=["slider", "lopsided", "kneed", "turned", "turned and kneed", "with soles"],
 )
-
-
-def test_a_quarter_turn_by_hand():
-    np.testing.assert_allclose(
-        turn_to_heading(np.array([[2.0, 1.0, 9.0]]), np.array([np.pi / 2])), [[1.0, -2.0]]
-    )
 
 
 def test_the_way_back_and_the_rotation_matrix_agree_for_any_shape():
@@ -80,7 +74,7 @@ def test_points_of_the_legs_are_where_mujoco_has_them(robot):
         points = leg_points(geometry, rotation, joints)[0] + data.qpos[:3]
         for leg, side in enumerate(names.SIDES):
             line = data.geom(names.foot(side))
-            axis = line.xmat.reshape(3, 3)[:, 2] * line_length(geometry) / 2
+            axis = line.xmat.reshape(3, 3)[:, 2] * (geometry.toe + geometry.heel) / 2
             low = line.xpos - [0, 0, geometry.foot_radius]
             if geometry.sole is not None:  # a box, and the middle of its ends below
                 along, _, up = line.xmat.reshape(3, 3).T
@@ -166,10 +160,6 @@ def test_a_leg_with_a_knee_is_at_most_almost_straight(robot):
     joints[: names.LEG_GAIT_JOINTS] = extend_leg(geometry, np.zeros((1, 12)), 0, np.array([1.0]))[0]
     length = np.linalg.norm(leg_of(robot, joints, "left")[0])
     assert length == pytest.approx(0.995 * 0.8, abs=1e-3)
-
-
-def line_length(geometry: Geometry) -> float:
-    return geometry.toe + geometry.heel
 
 
 @ROBOTS

@@ -49,6 +49,7 @@ def test_stands_on_two_lines(model):
         middle = data.sensor(f"{side}_sole_position").data
         assert abs(contact.pos[1] - middle[1]) < 2e-3  # on the line
         assert abs(abs(contact.pos[0] - middle[0]) - 0.085) < 2e-3  # at its ends
+        assert -2e-3 < contact.dist < -2e-4  # soles give way by a millimetre
     forces = [data.sensor(f"{side}_foot_force").data[2] for side in names.SIDES]
     assert np.abs(forces).sum() == pytest.approx(model.body_mass.sum() * 9.81, rel=1e-3)
     assert data.sensor("base_contact").data[0] == 0

@@ -8,11 +8,11 @@ import pytest
 
 from slider.config.robot import Drive
 from slider.robot import names
-from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
+from slider.robot.mjcf import Actuation, SimulationOptions, build_model
 from slider.robot.names import NUM_GAIT_JOINTS, motor_names
 from slider.robot.transmission import Transmission
 from tests.config.composed import composed
-from tests.env.synthetic import JOINTS
+from tests.env.synthetic import JOINTS, random_pose
 
 SLIDER = composed().robot
 CAPSTAN = Drive(torque=8.0, speed=120.0, stall_ratio=2.0, inertia=6.25e-4)  # for round numbers
@@ -25,16 +25,12 @@ ONE, TWO = (motor_names(ROBOT.geometry).index(f"right_leg_{k}") for k in (1, 2))
 PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.GAIT_JOINTS]
 
 
-def joints(slide: float = 0.0, ankle: float = 0.0) -> np.ndarray:
-    values = np.zeros(names.NUM_JOINTS)
-    values[SLIDE], values[ANKLE] = slide, ankle
-    return values
+def joints(slide: float, ankle: float) -> np.ndarray:
+    return slide * np.eye(names.NUM_JOINTS)[SLIDE] + ankle * np.eye(names.NUM_JOINTS)[ANKLE]
 
 
-def motors(one: float = 0.0, two: float = 0.0) -> np.ndarray:
-    values = np.zeros(NUM_GAIT_JOINTS)
-    values[ONE], values[TWO] = one, two
-    return values
+def motors(one: float, two: float) -> np.ndarray:
+    return one * np.eye(NUM_GAIT_JOINTS)[ONE] + two * np.eye(NUM_GAIT_JOINTS)[TWO]
 
 
 @pytest.mark.parametrize(
@@ -87,26 +83,10 @@ def test_the_simulated_motors_have_these_limits_at_every_speed(actuation: Actuat
         rates *= np.array([18.0, 18.0, 18.0, 2.5, 15.0, 5.0] * 2)
         lower, upper = MOTORS.torque_limits(MOTORS.angles(rates))
         for sign, expected in ((1, upper), (-1, lower)):
-            data = in_the_air(model)
+            data = mujoco.MjData(model)
             data.qvel[6:], data.ctrl[:] = rates, sign * 1e5
             mujoco.mj_forward(model, data)
             np.testing.assert_allclose(data.actuator_force, expected, rtol=1e-9, atol=1e-9)
-
-
-def in_the_air(model: mujoco.MjModel) -> mujoco.MjData:
-    data = mujoco.MjData(model)
-    data.qpos[:] = nominal_qpos(ROBOT)
-    data.qpos[2] += 1.0
-    return data
-
-
-def random_pose(rng: np.random.Generator) -> np.ndarray:
-    qpos = nominal_qpos(ROBOT)
-    qpos[2] += 1.0
-    qpos[3:7] = rng.standard_normal(4)
-    qpos[3:7] /= np.linalg.norm(qpos[3:7])
-    qpos[7:] = 0.3 * rng.uniform(-1.0, 1.0, names.NUM_JOINTS)
-    return qpos
 
 
 def test_position_loops_of_the_motors_are_those_of_the_joints():
@@ -118,13 +98,10 @@ def test_position_loops_of_the_motors_are_those_of_the_joints():
     damped = [*(g.kd for g in hips), 2 * kd / RADIUS**2, 2 * kd / RATIO**2, 0.0] * 2
     assert stiff[3] == pytest.approx(6000.0)
     rng = np.random.default_rng(4)
-    for _ in range(10):
-        qpos = random_pose(rng)
-        target = qpos[7:] + rng.uniform(-1.0, 1.0, 12) * np.array(
-            [0.1, 0.1, 0.1, 0.01, 0.1, 0.0] * 2
-        )
+    for qpos, qvel in zip(*random_pose(rng, 10), strict=True):
+        target = qpos[7:] + rng.uniform(-1.0, 1.0, 12) * ([0.1, 0.1, 0.1, 0.01, 0.1, 0.0] * 2)
         data = mujoco.MjData(model)
-        data.qpos[:], data.qvel[:] = qpos, 0.1 * rng.standard_normal(18)
+        data.qpos[:], data.qvel[:] = qpos, 0.2 * qvel
         data.ctrl[:] = MOTORS.angles(target)
         mujoco.mj_forward(model, data)
         assert (np.abs(data.actuator_force) < 0.9 * MOTORS.torque).all(), "no limit is in the way"

@@ -1,46 +1,9 @@
-"""Return maps whose derivatives are known: a rimless wheel, linear maps of known rank."""
+"""Return maps whose derivatives are known: linear maps of known rank, and parabolas."""
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from slider.hzd.walk import chain, differences, limit_cycles, multipliers, restrict
-
-GRAVITY_OVER_LENGTH = 9.81
-SPOKES, SLOPE = np.pi / 8, 0.08  # half the angle between spokes, inclination [rad]
-
-
-def rimless_wheel(x, _):
-    """Rates (n, 1) just after an impact to those after the next one, by integration."""
-    return np.array([[_roll_over(rate)] for (rate,) in x])
-
-
-def _roll_over(rate: float) -> float:
-    def derivative(_, state):
-        return [state[1], GRAVITY_OVER_LENGTH * np.sin(state[0])]
-
-    def guard(_, state):
-        return state[0] - (SLOPE + SPOKES)
-
-    guard.terminal = True
-    start = [SLOPE - SPOKES, rate]
-    exact = {"rtol": 1e-12, "atol": 1e-12, "max_step": 0.02}
-    found = solve_ivp(derivative, (0, 5), start, "DOP853", events=guard, **exact)
-    return np.cos(2 * SPOKES) * found.y[1, -1]
-
-
-def test_the_rimless_wheel_has_the_multiplier_of_the_textbook():
-    """ω⁺² = cos² 2α (ω² + 4 (g/l) sin α sin γ); McGeer 1990, section 3."""
-    start = np.array([[1.15]])
-    _, slopes = differences(rimless_wheel, start, 1e-5)
-    points, found = limit_cycles([rimless_wheel], start, slopes, 1e-10)
-    share = np.cos(2 * SPOKES) ** 2
-    gain = 4 * GRAVITY_OVER_LENGTH * np.sin(SPOKES) * np.sin(SLOPE)
-    assert found.all()
-    np.testing.assert_allclose(points[0, 0, 0] ** 2, share / (1 - share) * gain, rtol=1e-9)
-    for size in (1e-4, 5e-5):
-        _, slope = differences(rimless_wheel, points[0], size)
-        np.testing.assert_allclose(slope, [[[share]]], rtol=1e-7)
 
 
 def test_a_cycle_of_linear_maps_is_found_for_each_system():
@@ -80,14 +43,18 @@ def test_a_cycle_is_found_with_slopes_that_are_only_near():
 
 
 def test_derivatives_along_directions_are_products_with_them():
+    """Central differences are exact for a map of second order."""
     rng = np.random.default_rng(3)
     slope, directions = rng.standard_normal((2, 5, 4)), rng.standard_normal((2, 4, 3))
     points = rng.standard_normal((2, 4))
-    values, found = differences(
-        lambda x, k: np.einsum("nij,nj->ni", slope[k], x), points, 1e-3, 50.0 * directions
-    )
-    np.testing.assert_allclose(values, np.einsum("nij,nj->ni", slope, points), rtol=1e-12)
-    np.testing.assert_allclose(found, 50.0 * slope @ directions, rtol=1e-9)
+
+    def mapped(x, k):
+        return np.einsum("nij,nj->ni", slope[k], x) + (x**2).sum(axis=1, keepdims=True)
+
+    values, found = differences(mapped, points, 1e-3, 50.0 * directions)
+    np.testing.assert_allclose(values, mapped(points, np.arange(2)), rtol=1e-12)
+    expected = 50.0 * (slope + 2 * points[:, None]) @ directions
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("period", [1, 2])

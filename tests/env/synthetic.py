@@ -66,29 +66,24 @@ JOINTS, MOTORS, CHANNELS = joint_names(GEOMETRY), motor_names(GEOMETRY), channel
 SIGN = np.array(mirror_sign(GEOMETRY))
 
 
-def of_the_motors(name: str) -> np.ndarray:
-    """A value of the drives for each motor (10,): the two capstan motors are equal."""
-    leg = ("hip_yaw", "hip_roll", "hip_pitch", "capstan", "capstan")
-    return np.array([getattr(robot_config().drives[drive], name) for drive in leg * 2])
-
-
-TORQUE_LIMITS, SPEED_LIMITS = of_the_motors("torque"), of_the_motors("speed")  # [N m], [rad/s]
+DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan", "capstan") * 2
+TORQUE_LIMITS = np.array([robot_config().drives[name].torque for name in DRIVES])  # [N m]
 
 
 def motor_angles(joints: np.ndarray) -> np.ndarray:
     """Motor angles or speeds (..., 10) of joint positions or speeds (..., 12), by hand."""
-    legs = []
-    for leg in (joints[..., :6], joints[..., 6:]):
-        slide, foot = leg[..., 3:4] / 0.025, leg[..., 4:5] / 0.35
-        legs += [leg[..., :3], slide + foot, slide - foot]
-    return np.concatenate(legs, axis=-1)
+    return _capstan(joints, 1 / 0.025, 1 / 0.35)
 
 
 def motor_torques(efforts: np.ndarray) -> np.ndarray:
     """Motor torques (..., 10) of joint efforts (..., 12), by hand."""
+    return _capstan(efforts, 0.025 / 2, 0.35 / 2)
+
+
+def _capstan(values: np.ndarray, of_slide: float, of_ankle: float) -> np.ndarray:
     legs = []
-    for leg in (efforts[..., :6], efforts[..., 6:]):
-        slide, foot = 0.025 * leg[..., 3:4] / 2, 0.35 * leg[..., 4:5] / 2
+    for leg in (values[..., :6], values[..., 6:]):
+        slide, foot = of_slide * leg[..., 3:4], of_ankle * leg[..., 4:5]
         legs += [leg[..., :3], slide + foot, slide - foot]
     return np.concatenate(legs, axis=-1)
 
@@ -220,19 +215,18 @@ def as_tensor(value: Any) -> Any:
     return torch.tensor(value) if isinstance(value, np.ndarray) else value
 
 
+TAKING_TENSORS = ("reset", "set_velocity_command", "act", "advance", "refresh_heading", "view")
+
+
+TAKING_TENSORS = ("reset", "set_velocity_command", "act", "advance", "refresh_heading", "view")
+
+
 class ArrayAgent(AgentInterface):
     """An agent that takes NumPy's arrays as well, so that tests are written in one library."""
 
     def __getattribute__(self, name: str) -> Any:
         found = super().__getattribute__(name)
-        if name not in (
-            "reset",
-            "set_velocity_command",
-            "act",
-            "advance",
-            "refresh_heading",
-            "view",
-        ):
+        if name not in TAKING_TENSORS:
             return found
         return lambda *values, **named: found(
             *map(as_tensor, values), **{key: as_tensor(value) for key, value in named.items()}
@@ -252,11 +246,9 @@ def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.nd
 def mirror_pose(qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same robots seen in a mirror at the world's x-z plane."""
     positions, velocities = qpos.copy(), qvel.copy()
-    positions[:, 1] *= -1.0  # y
-    positions[:, [4, 6]] *= -1.0  # rotation about x and z
+    positions[:, [1, 4, 6]] *= -1.0  # y, rotation about x and z
     positions[:, 7:] = qpos[:, 7:][:, PERMUTATION] * SIGN
-    velocities[:, 1] *= -1.0
-    velocities[:, [3, 5]] *= -1.0  # angular velocity about x and z
+    velocities[:, [1, 3, 5]] *= -1.0
     velocities[:, 6:] = qvel[:, 6:][:, PERMUTATION] * SIGN
     return positions, velocities
 
@@ -374,11 +366,10 @@ def random_view(count: int, mirrored: bool = False) -> View:
     positions, velocities = rng.standard_normal((2, count, 2, 3))
     forces, contacts = rng.uniform(10.0, 200.0, (count, 2)), rng.uniform(0.0, 3.0, count)
     if mirrored:
-        pose = mirror_pose(*pose)
+        pose, phase = mirror_pose(*pose), (phase + 0.5) % 1.0
         command = command * [1.0, -1.0, -1.0, -1.0]
         actions = actions[..., PERMUTATION] * SIGN
         filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
-        phase = (phase + 0.5) % 1.0
         torques = torques[:, ::-1] * [-1.0, -1.0, 1.0, 1.0, 1.0]  # yaw and roll flip
         positions, velocities = (v[:, ::-1] * [1.0, -1.0, 1.0] for v in (positions, velocities))
         forces = forces[:, ::-1].copy()

@@ -128,17 +128,14 @@ def test_resetting_one_robot_leaves_the_others():
     np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
 
 
-@pytest.mark.parametrize(
-    ("times", "message"),
-    [
+def test_clock_and_gaits_are_demanded():
+    settings = config("experiment=test")
+    for times, message in (
         (None, r"^env\.phase\.enabled: expected the step times of a gait library$"),
         (gait_table().times, r"^env\.action\.offset=gait: expected the gaits of a library, found"),
-    ],
-)
-def test_clock_and_gaits_are_demanded(times, message):
-    settings = config("experiment=test")
-    with pytest.raises(UserError, match=message):
-        AgentInterface(settings.robot, settings.env, 2, times)
+    ):
+        with pytest.raises(UserError, match=message):
+            AgentInterface(settings.robot, settings.env, 2, times)
 
 
 @pytest.mark.parametrize("phase", [0.1, 0.6])

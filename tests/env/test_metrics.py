@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from slider.env.instruments import Contacts
 from slider.env.metrics import QUALITY, TRACKING, Columns, gait_quality, tracking
 from slider.env.rollout import Recording
 from tests.env.synthetic import make_contacts, make_recording
@@ -28,20 +29,17 @@ def forward(*speeds: np.ndarray | float) -> np.ndarray:
     return velocity
 
 
-def contact(*feet: np.ndarray) -> np.ndarray:
-    """Forces of one robot from 0/1 patterns of the left and the right foot."""
-    return LOADED * np.stack(feet, axis=1)[:, None, :].astype(float)
+def touching(*feet: list[tuple[int, int]]) -> Contacts:
+    """Of one robot whose left and right foot carry weight in spans of control steps."""
+    forces = np.zeros((STEPS * TICKS, 1, 2))
+    for foot, spans in enumerate(feet):
+        for start, stop in spans:
+            forces[start * TICKS : stop * TICKS, 0, foot] = LOADED
+    return make_contacts(forces)
 
 
 def quality(warm_up: float = 0.0, **changes: Any) -> Columns:
     return gait_quality(recording(**changes), warm_up)
-
-
-def pattern(*spans: tuple[int, int]) -> np.ndarray:
-    loaded = np.zeros(STEPS)
-    for start, stop in spans:
-        loaded[start:stop] = 1
-    return loaded
 
 
 def test_squared_errors_with_and_without_the_start():
@@ -105,25 +103,24 @@ HOPS = [(10, 20), (30, 40), (50, 60)]
     ],
 )
 def test_contacts_by_hand(left, right, expected):
-    found = quality(foot_forces=contact(pattern(*left), pattern(*right)))
+    found = quality(contacts=touching(left, right))
     for name, value in expected.items():
         assert found[name] == pytest.approx([value], abs=1e-12), name
 
 
 def test_clearance_is_that_of_unloaded_soles():
     """The left foot is up by 8 cm for 30 % of the time; the right one slides up while loaded."""
-    left = 1 - pattern((20, 50))
     positions = np.zeros((STEPS, 1, 2, 3))
     positions[20:50, 0, 0, 2] = 0.08
     positions[:, 0, 1, 2] = 0.5
-    found = quality(foot_forces=contact(left, np.ones(STEPS)), foot_positions=positions)
+    contacts = touching([(0, 20), (50, STEPS)], [(0, STEPS)])
+    found = quality(contacts=contacts, foot_positions=positions)
     assert found["clearance"][0] == pytest.approx(0.04)  # mean over feet
 
 
 def test_slip_is_the_mean_speed_of_loaded_ends():
     """Left: on its toe for half of the time, at 0.1 m/s; right: fast, but in the air."""
-    forces = contact(pattern((0, 50)), np.zeros(STEPS))
-    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    contacts = touching([(0, 50)], [])
     speeds = np.zeros(contacts.loaded.shape)
     speeds[:, :, 0, 1] = 0.1
     speeds[:, :, 0, 0] = 7.0  # the heel swings
@@ -137,8 +134,7 @@ def test_slip_is_the_mean_speed_of_loaded_ends():
 
 def test_the_speed_at_which_a_foot_lands_is_no_slip():
     """Its sensors are those before the impact."""
-    forces = contact(pattern((20, 40), (60, 80)), np.ones(STEPS))
-    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    contacts = touching([(20, 40), (60, 80)], [(0, STEPS)])
     contacts.speeds[[20 * TICKS, 60 * TICKS], :, 0] = 2.0
     assert quality(contacts=contacts)["slip"][0] == 0.0
     contacts.speeds[20 * TICKS + 1, :, 0] = 2.0
@@ -147,8 +143,7 @@ def test_the_speed_at_which_a_foot_lands_is_no_slip():
 
 def test_penetration_is_the_depth_of_feet_that_carry_weight():
     """Left: 2 mm for half of the time, 6 mm for the rest of its stance; right: in the air."""
-    forces = contact(pattern((0, 50)), np.zeros(STEPS))
-    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    contacts = touching([(0, 50)], [])
     contacts.depths[:] = 0.05  # without force it does not count
     contacts.depths[: 25 * TICKS, :, 0], contacts.depths[25 * TICKS : 50 * TICKS, :, 0] = 2e-3, 6e-3
     contacts.depths[0, :, 0] = -1e-3  # above the ground counts as none
@@ -176,18 +171,11 @@ def test_legs_that_come_close_touch_and_cross():
 
 
 def test_energy_and_peaks_count_after_the_start():
-    late = np.arange(STEPS)[:, None] >= 50
-    start = np.where(late, 0.0, 9.0)
-    found = quality(
-        1.0,
-        velocity=forward(0.5),
-        power=30.0 * late + start,
-        effort_share=0.7 * late + start,
-        speed_share=0.2 * late + start,
-    )
-    assert found["cost_of_transport"] == pytest.approx([30.0 / 100.0 / 0.5])
-    assert found["peak_effort"] == pytest.approx([0.7])
-    assert found["peak_speed"] == pytest.approx([0.2])
+    given, late = {"power": 30.0, "effort_share": 0.7, "speed_share": 0.2}, np.arange(STEPS) >= 50
+    loads = {name: np.where(late, value, 9.0)[:, None] for name, value in given.items()}
+    found = quality(1.0, velocity=forward(0.5), **loads)
+    names = ("cost_of_transport", "peak_effort", "peak_speed")
+    assert [found[name][0] for name in names] == pytest.approx([30.0 / 100.0 / 0.5, 0.7, 0.2])
 
 
 def test_velocity_variance_is_about_the_mean():
@@ -208,11 +196,9 @@ def test_heading_is_about_the_commanded_one():
 
 
 def test_a_changing_command_is_tracked_in_the_mean():
-    command = np.zeros((STEPS, 1, 3))
+    command = np.zeros((STEPS, 2, 3))
     command[50:, :, 0] = 1.0
-    follows = tracking(recording(1, velocity=command[:, :, :2], command=command), 0.0, 0.01, 0.0)
-    assert follows["tracked"].all()
-    assert follows["squared_error"][0] == 0.0
-    stays = tracking(recording(1, command=command), 0.0, 0.01, 0.0)
-    assert not stays["tracked"].any()
-    np.testing.assert_allclose(stays["squared_error"], 0.5)
+    one_stays = recording(2, velocity=command[..., :2] * [[1.0], [0.0]], command=command)
+    found = tracking(one_stays, 0.0, 0.01, 0.0)
+    assert found["tracked"].tolist() == [True, False]
+    np.testing.assert_allclose(found["squared_error"], [0.0, 0.5])

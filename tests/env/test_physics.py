@@ -17,6 +17,8 @@ from tests.env.synthetic import (
     robot_config,
 )
 
+START = config("experiment=test").env.start
+
 
 def random_targets(rng: np.random.Generator, steps: int, count: int) -> np.ndarray:
     lower, upper = robot_config().joint_ranges
@@ -24,12 +26,10 @@ def random_targets(rng: np.random.Generator, steps: int, count: int) -> np.ndarr
 
 
 def test_equals_mujoco_stepped_by_itself():
-    rng = np.random.default_rng(1)
-    physics = make_physics(6)
-    start = at_rest(robot_config(), config("experiment=test").env.start, rng, 6)
-    physics.reset(np.arange(6), *start)
+    rng, physics = np.random.default_rng(1), make_physics(6)
+    physics.reset(np.arange(6), *at_rest(robot_config(), START, rng, 6))
     alone = mujoco.MjData(physics.model)
-    alone.qpos[:], alone.qvel[:] = start[0][4], start[1][4]
+    alone.qpos[:], alone.qvel[:] = physics.qpos[4], physics.qvel[4]
     for targets in random_targets(rng, 15, 6):
         physics.step(targets)
         alone.ctrl[:] = motor_angles(targets[4])
@@ -47,9 +47,7 @@ def test_loads_are_those_of_every_simulation_step():
     """Against the same simulation, looked at after each of its steps."""
     rng = np.random.default_rng(4)
     held, single = make_physics(3), make_physics(3, substeps=1)
-    start = at_rest(robot_config(), config("experiment=test").env.start, rng, 3)
-    for physics in (held, single):
-        physics.reset(np.arange(3), *start)
+    held.reset(np.arange(3), *at_rest(robot_config(), START, rng, 3))
     last = []
     for targets in random_targets(rng, 5, 3):
         single.reset(np.arange(3), held.qpos, held.qvel)
@@ -58,13 +56,11 @@ def test_loads_are_those_of_every_simulation_step():
         for _ in range(4):
             single.step(targets)
             parts.append(single.loads())
-        found, power = held.loads(), np.mean([part.power for part in parts], axis=0)
-        efforts = np.array([part.effort_share for part in parts])
-        speeds = np.array([part.speed_share for part in parts])
-        np.testing.assert_allclose(found.power, power, rtol=1e-3)
-        np.testing.assert_allclose(found.effort_share, efforts.max(axis=0), rtol=1e-3)
-        np.testing.assert_allclose(found.speed_share, speeds.max(axis=0), rtol=1e-3)
-        last.append(efforts[-1].max() / efforts.max())
+        for name in ("power", "effort_share", "speed_share"):
+            values = np.array([getattr(part, name) for part in parts])
+            expected = values.mean(axis=0) if name == "power" else values.max(axis=0)
+            np.testing.assert_allclose(getattr(held.loads(), name), expected, rtol=1e-3)
+        last.append(parts[-1].effort_share.max() / held.loads().effort_share.max())
     assert min(last) < 0.8, "the peak is not in the last step"
 
 

@@ -39,13 +39,6 @@ class Stiff:
         return np.zeros((state.num_robots, NUM_JOINTS))
 
 
-class Tiring(Stiff):
-    """Gives robots up when it is asked to."""
-
-    def give_up(self, robots: np.ndarray) -> None:
-        self.given_up = robots
-
-
 def starts() -> tuple[np.ndarray, np.ndarray]:
     """Robot 0 stands, 1 is thrown upwards, 2 starts lying, 3 walks into the air."""
     qpos, qvel = np.tile(nominal_qpos(robot_config()), (COUNT, 1)), np.zeros((COUNT, 18))
@@ -84,14 +77,9 @@ def test_the_controller_is_called_once_per_step_of_its_plant_with_the_latest_sta
 
 def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
     """Heights that dip below the limit for one step only."""
-    physics = make_physics(2)
-    heights = iter([0.7, 0.7, 0.3, 0.7, 0.7])
-
-    def read() -> RobotState:
-        height = next(heights)
-        return make_arrays(2, base_position=[[0, 0, 0.7], [0, 0, height]])
-
-    monkeypatch.setattr(physics, "read", read)
+    physics, heights = make_physics(2), [0.7, 0.7, 0.3, 0.7, 0.7]
+    states = (make_arrays(2, base_position=[[0, 0, 0.7], [0, 0, height]]) for height in heights)
+    monkeypatch.setattr(physics, "read", lambda: next(states))
     recording = roll(Stiff(), physics, start=[x[:2] for x in starts()], duration=0.08)
     np.testing.assert_array_equal(recording.alive[:, 0], True)
     np.testing.assert_array_equal(recording.alive[:, 1], [True, False, False, False])
@@ -130,8 +118,7 @@ def test_a_robot_that_blew_up_within_a_control_step_is_lost():
                 targets[0, 3] = np.nan
             return targets
 
-    standing = [values[[0, 0]] for values in starts()]
-    recording = roll(Breaking(), make_physics(2, substeps=1), start=standing)
+    recording = roll(Breaking(), make_physics(2, substeps=1), start=[x[[0, 0]] for x in starts()])
     assert recording.diverged.tolist() == [True, False]
     np.testing.assert_array_equal(recording.alive[:, 0], np.arange(20) < 5)
     assert recording.alive[:, 1].all()
@@ -139,6 +126,11 @@ def test_a_robot_that_blew_up_within_a_control_step_is_lost():
 
 def test_a_controller_that_gives_up_leaves_the_others_as_they_are():
     """Robot 2 lies from the start and is not simulated further."""
+
+    class Tiring(Stiff):
+        def give_up(self, robots: np.ndarray) -> None:
+            self.given_up = robots
+
     controller = Tiring()
     found, whole = roll(controller), roll(Stiff())
     assert controller.given_up.tolist() == [False, False, True, False]
@@ -149,8 +141,8 @@ def test_a_controller_that_gives_up_leaves_the_others_as_they_are():
         np.testing.assert_array_equal(mine[:, [0, 1, 3]], theirs[:, [0, 1, 3]])
     assert np.ptp(found.position[1:, 2], axis=0).max() == 0.0
     assert np.ptp(whole.velocity[1:, 2], axis=0).max() > 0.0
-    lying, last = [values[[2, 2]] for values in starts()], Tiring()
-    ended = roll(last, make_physics(2), start=lying)
+    last = Tiring()
+    ended = roll(last, make_physics(2), start=[x[[2, 2]] for x in starts()])
     assert len(last.seen) == 1, "nobody is left"
     assert not ended.alive.any()
     assert (ended.alive.shape, len(ended.contacts.forces)) == ((20, 2), 80), "all rows"

@@ -1,11 +1,13 @@
-"""Frames and signs of the named quantities, against MuJoCo's own sensors and bodies."""
+"""Named quantities against MuJoCo's own sensors and bodies, and what counts as a fall."""
 
 import mujoco
 import numpy as np
 import pytest
 
+from slider.env import terminations
+from slider.robot.kinematics import quaternion_from_tilt, rotation_from_quaternion
 from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import make_physics, random_pose
+from tests.env.synthetic import make_physics, make_state, random_pose
 
 COUNT = 8
 
@@ -58,3 +60,23 @@ def test_sole_positions_and_velocities(poses, datas):
     moved = (second.foot_positions - first.foot_positions) / 1e-4
     # Semi-implicit integration moves with the new velocity.
     np.testing.assert_allclose(moved, second.foot_velocities, atol=1e-3)
+
+
+# Design, section 3: base z < 0.40 m, tilt > 45°, or a body other than a foot on the ground.
+PROTOCOL = {"base_height": 0.4, "tilt": np.pi / 4, "body_contact": 0.0}
+
+
+def test_height_and_contacts():
+    base = [[0, 0, 0.399], [9, 9, 0.401], [0, 0, 2.0], [0, 0, 2.0]]
+    state = make_state(4, base_position=base, body_contacts=[0, 0, 1, 2])
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [True, False, True, True])
+
+
+def test_tilt_in_any_direction():
+    roll = np.radians([44.9, 45.1, 0.0, 0.0, 33.0, 30.0, 180.0])
+    pitch = np.radians([0.0, 0.0, -44.9, -45.1, 33.0, -30.0, 0.0])
+    rotation = rotation_from_quaternion(quaternion_from_tilt(roll, pitch))
+    state = make_state(7, gravity=-rotation[:, 2, :], rotation=rotation)
+    expected = np.degrees(np.arccos(rotation[:, 2, 2])) > 45.0
+    assert list(expected[:4]) == [False, True, False, True]
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), expected)

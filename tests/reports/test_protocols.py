@@ -213,10 +213,9 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
 
 def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):
     labels = [*LABELS.values(), "policy (ours), onboard state", "MPC + WBC, tuned", "MPC + WBC, x"]
-    walks = make_robots([[1, 1]], [[1.0, 2.0]])
-    evaluations = [Evaluation(name, 0.4, walks, TRACE, label=name) for name in labels]
+    numbers = {"speed": 0.4, "time": 0.02, "mean_velocity": 0.1, "mean_velocity_spread": 0.01}
     with style():
-        figure = draw_tracking(evaluations, 0.02)
+        figure = draw_tracking(pd.DataFrame([{"label": name} | numbers for name in labels]))
         figure.draw_without_rendering()
     box = figure.legends[0].get_window_extent()
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1

@@ -92,7 +92,7 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     require(bool(evaluations), "report.tracking_speeds", expected, speeds)
     frame = pd.concat([_velocities(one, period) for one in evaluations])
     parts = [picture(TRACKING), TRACKING_CAPTION, *undrawn(evaluations, speeds)]
-    draw = partial(walking.draw_tracking, evaluations, period)
+    draw = partial(walking.draw_tracking, frame)
     title = f"Forward velocity over time: {TRACKING}"
     report.write(out / TRACKING, title, section["robot"], frame, draw, parts)
     return {"rows": len(frame)}

@@ -19,7 +19,7 @@ from slider.gait import REPORT
 from slider.gait.study import MeshGait
 from slider.library.stage import acceptable
 from slider.reports import report
-from slider.reports.figures import study as figure
+from slider.reports.figures.walking import draw_curves
 from slider.reports.quantities import QUANTITIES, quantity
 from slider.reports.report import picture
 from slider.training.results import Training
@@ -53,7 +53,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     if "walking" in inputs:
         tables.write(curves, out / f"{name}_curves.csv")
         shown = strongest(summary).dropna(subset="metric").set_index("variant")["label"]
-        drawn = partial(figure.draw, curves, shown.to_dict())
+        drawn = partial(draw_curves, curves, shown.to_dict())
         parts.insert(1, picture(name))
     report.write(out / name, title, section["robot"], summary, drawn, parts)
     return {"runs": len(runs), "variants": len(section["variants"])}

@@ -1,6 +1,6 @@
 """Controllers: results over the speed, velocity over time, protocols, and learning curves."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -152,19 +152,17 @@ def _times(values: np.ndarray, duration: float) -> np.ndarray:
 _PANEL_HEIGHT = 2.1  # height [inch]
 
 
-def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
-    """Mean (line) and standard deviation (band) over survivors; ``period`` of control in s."""
-    commands = sorted({one.speed for one in evaluations if one.speed is not None})
-    labels = list(dict.fromkeys(one.label for one in evaluations))
+def draw_tracking(frame: pd.DataFrame) -> Figure:
+    """Mean (line) and standard deviation (band) over survivors, of the rows of the report."""
+    commands, labels = np.sort(frame["speed"].unique()), frame["label"].unique()
     lines = (len(commands) + 1) // 2
     figure = new_figure(_PANEL_HEIGHT * lines + 0.4)
     panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
     for axes, command in zip(panels.flat, commands, strict=False):
-        for one in evaluations:
-            if one.speed == command and one.robots["survived"].any():
-                time = period * np.arange(1, len(one.velocity) + 1)
-                mean, spread = one.velocity.T
-                _band(axes, time, mean, spread, labels.index(one.label))
+        for index, label in enumerate(labels):
+            mine = frame[(frame["speed"] == command) & (frame["label"] == label)]
+            mean, spread = mine["mean_velocity"], mine["mean_velocity_spread"]
+            _band(axes, mine["time"], mean, spread, index)
         axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_title(f"{speed_text(command)} m/s")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
@@ -208,4 +206,29 @@ def draw_training(training: Training) -> Figure:
             axes.plot(curve["iteration"], curve[name], color=colour(index), label=label)
         axes.set(xlabel="iteration", ylabel="weighted reward term")
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+_CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
+
+
+def draw_curves(curves: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
+    """Means over the seeds of a variant; bands reach from the least to the greatest.
+
+    ``curves`` are the checks of trainings, by variant, seed and samples.
+    """
+    figure = new_figure(2.8)
+    for axes, (name, title) in zip(figure.subplots(1, len(_CURVES)), _CURVES.items(), strict=True):
+        factor = 100.0 if name == "success" else 1.0
+        for index, (variant, label) in enumerate(labels.items()):
+            values = factor * curves[curves["variant"] == variant].set_index("samples")[name]
+            groups = values.groupby(level=0)
+            mean, tint, dash = groups.mean(), colour(index), _DASHES[index // 7 % len(_DASHES)]
+            millions = mean.index / 1e6
+            axes.plot(millions, mean, dash, color=tint, label=label, marker=".")
+            axes.fill_between(millions, groups.min(), groups.max(), color=tint, alpha=0.12, lw=0)
+        axes.set(title=title, xlabel="samples [million]")
+        axes.set_ylim(bottom=0)
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3)
     return figure

@@ -89,55 +89,49 @@ _HIP, _ANKLE, _TOP, _BACK, _FRONT = range(5)
 
 
 def draw_walks(library: GaitLibrary) -> Figure:
-    """One row per velocity, time goes to the right."""
-    chosen = forward_gaits(library, _ROWS)
-    columns = tile_samples(library)
+    """One row per velocity, time goes to the right.
+
+    Four tiles per step: its start, one third, two thirds and its end.
+    """
+    chosen, per_step = forward_gaits(library, _ROWS), library.arrays["time"].shape[1] // 2
+    within = [round(share * (per_step - 1) / 3) for share in range(4)]
+    samples = [step * per_step + sample for step in range(2) for sample in within]
     figure = new_figure(1.2 * len(chosen) + 0.1)
-    panels = figure.subplots(len(chosen), len(columns), squeeze=False)
+    panels = figure.subplots(len(chosen), len(samples), squeeze=False)
     for row, index in zip(panels, chosen, strict=True):
-        draw_tiles(row, library, int(index))
+        _draw_tiles(row, library, int(index), samples)
         row[0].set_ylabel(f"{library.velocities[index, 0]:.2f} m/s")
     return figure
 
 
-def tile_samples(library: GaitLibrary) -> list[int]:
-    """Samples of four tiles per step: its start, one third, two thirds and its end."""
-    per_step = library.arrays["time"].shape[1] // 2
-    within = [round(share * (per_step - 1) / 3) for share in range(4)]
-    return [step * per_step + sample for step in range(2) for sample in within]
+def _draw_tiles(
+    row: Sequence[Axes], library: GaitLibrary, gait: int, samples: Sequence[int]
+) -> None:
+    """Tiles of one gait, with the time below each.
 
-
-def draw_tiles(row: Sequence[Axes], library: GaitLibrary, gait: int) -> None:
-    """Draw the tiles of one gait, with the time below each.
-
-    In world x and z: the left leg behind in light, the right leg in front in dark.
+    In world x and z: the left leg behind in light, the right leg in front in dark. Marks on the
+    ground stand still in the world.
     """
-    samples, geometry = tile_samples(library), library.robot.geometry
-    base, joints = (library.arrays[name][gait, samples] for name in ("base", "samples"))
-    rotation, joints = rotation_from_quaternion(base[:, 3:7]), joints[:, :NUM_JOINTS]
-    place = base[:, None, None, :3]
+    arrays, geometry = library.arrays, library.robot.geometry
+    base, joints = arrays["base"][gait, samples], arrays["samples"][gait, samples, :NUM_JOINTS]
+    rotation, place = rotation_from_quaternion(base[:, 3:7]), base[:, None, None, :3]
     legs = place + leg_points(geometry, rotation, joints)
     feet = place + foot_ends(geometry, rotation, joints)
     torsos = base[:, None, :3] + _TORSO @ rotation.swapaxes(1, 2)
-    stance = library.arrays["contact"][gait, samples].argmax(axis=1)
+    stance = arrays["contact"][gait, samples].argmax(axis=1)
     for k, (axes, x) in enumerate(zip(row, base[:, 0].tolist(), strict=True)):
-        _draw_ground(axes, x - _HALF_WIDTH, x + _HALF_WIDTH)
+        low, high = x - _HALF_WIDTH, x + _HALF_WIDTH
+        axes.plot([low, high], [0, 0], color="black", linewidth=0.8)
+        for mark in np.arange(np.ceil(low / 0.1), np.floor(high / 0.1) + 1) * 0.1:
+            axes.plot([mark, mark - 0.02], [0, -0.03], color="black", linewidth=0.5)
         for leg, colour in enumerate((LIGHT, DARK)):
             _draw_leg(axes, legs[k, leg], feet[k, leg], colour, 2 + 2 * leg, stance[k] == leg)
         torso = torsos[k][:, [0, 2]]
         axes.add_patch(Polygon(torso, facecolor="white", edgecolor=DARK, zorder=3))
-        axes.set(xlim=(x - _HALF_WIDTH, x + _HALF_WIDTH), ylim=(-0.05, _TILE_TOP), aspect="equal")
-        axes.set(xticks=[], yticks=[])
+        axes.set(xlim=(low, high), ylim=(-0.05, _TILE_TOP), aspect="equal", xticks=[], yticks=[])
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
-        axes.set_xlabel(f"{library.arrays['time'][gait, samples[k]]:.2f} s", labelpad=1)
-
-
-def _draw_ground(axes: Axes, low: float, high: float) -> None:
-    """Ground from x = low to high, with marks each 0.1 m that stand still in the world [m]."""
-    axes.plot([low, high], [0, 0], color="black", linewidth=0.8)
-    for x in np.arange(np.ceil(low / 0.1), np.floor(high / 0.1) + 1) * 0.1:
-        axes.plot([x, x - 0.02], [0, -0.03], color="black", linewidth=0.5)
+        axes.set_xlabel(f"{arrays['time'][gait, samples[k]]:.2f} s", labelpad=1)
 
 
 def _draw_leg(

@@ -10,7 +10,7 @@ from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.commands import results
-from slider.commands.results import BLOCKS, MARKED
+from slider.commands.results import BLOCKS, MARKED, markdown_tables
 from tests.artefacts.samples import compute
 
 ROOT = Path(__file__).parents[2]
@@ -205,7 +205,7 @@ def test_a_table_of_another_plan_says_so_and_is_listed(todays, capsys):
 
 
 def test_a_table_of_two_reports_has_the_plans_of_both(todays, monkeypatch, capsys):
-    monkeypatch.setitem(results._ALSO, "table1", ["table1.csv"])
+    monkeypatch.setitem(BLOCKS, "table1", ("table1.md", markdown_tables, "table1.csv"))
     mark = filled("table1")[-3]
     assert mark.count("settings") == 1, "the store has no job with the other report"
     text = (

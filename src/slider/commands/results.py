@@ -127,9 +127,9 @@ def _with_change(block: str, change: str) -> str:
 
 def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     name = match[2]
-    file, count = BLOCKS.get(name, (f"{name}.md", None))
+    file, body, *others = BLOCKS.get(name, (f"{name}.md", markdown_tables))
     report = reports / file
-    targets = [file if file in _PICTURES else f"{report.stem}.csv", *_ALSO.get(name, ())]
+    targets = [file if report.suffix == ".svg" else f"{report.stem}.csv", *others]
     command = " ".join(["snakemake -j2", *(f"reports/{target}" for target in targets)])
     read_from = [report, *(reports / target for target in targets[1:])]
     missing = [path for path in read_from if not path.is_file()]
@@ -137,22 +137,13 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         print(f"slider results: {name} stays, {missing[0]} is missing: {command}", file=sys.stderr)
         return match[0]
     jobs = [job for path in read_from for job in _newest(path, store)]
-    if name == "times":
-        body = stage_times(jobs, store)
-    elif file in _PICTURES:
-        (image := Path("docs/images", report.name)).parent.mkdir(parents=True, exist_ok=True)
-        files.write_atomic(image, report.read_text(encoding="utf-8"))
-        body = f"![{_PICTURES[file]}]({image.as_posix()})"
-    elif name in _OF_CSV:
-        try:
-            body = _OF_CSV[name](report).markdown
-        except KeyError as error:
-            raise UserError(f"expected the column {error} in {report}, found none") from None
-    else:
-        body = markdown_tables(report, count)
+    try:
+        text = body(report) if body else stage_times(jobs, store)
+    except KeyError as error:
+        raise UserError(f"expected the column {error} in {report}, found none") from None
     latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
     digests = "".join(_digests(job.recipe, store) for job in jobs)
-    return f"{match[1]}\n{body}\n\n{origin(command, latest)}\n\n<!-- /results{digests} -->"
+    return f"{match[1]}\n{text}\n\n{origin(command, latest)}\n\n<!-- /results{digests} -->"
 
 
 def _newest(report: Path, store: Store) -> list[Manifest]:
@@ -177,26 +168,30 @@ def origin(command: str, metadata: dict[str, Any]) -> str:
     command += config_option(str(metadata.get("overrides", "")))
     commit = f"commit `{metadata['commit'][:8]}`" if "commit" in metadata else "commit unknown"
     changed = " with changes" if metadata.get("dirty") == "true" else ""
-    date, machine = (
-        str(metadata.get("ended", "unknown date"))[:10],
-        metadata.get("machine", "unknown"),
-    )
+    date, machine = metadata.get("ended", "unknown date")[:10], metadata.get("machine", "unknown")
     return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
 
 
-def learning(report: Path) -> Table:
+def picture(report: Path) -> str:
+    """Copy a figure that README shows to ``docs/images``."""
+    image = Path("docs/images", report.name)
+    files.write_atomic(image, report.read_text(encoding="utf-8"))
+    return f"![Velocity error over cost of transport of each controller]({image.as_posix()})"
+
+
+def learning(report: Path) -> str:
     """How the policy, HZD and MPC walk: quantities and controllers down, speeds across."""
     frame = read(report)
     frame = frame[frame["controller"].isin(_LEARNING)]
-    return across("", "command [m/s]", "speed", _WALKING, frame, ["label"], speed_text)
+    return across("", "command [m/s]", "speed", _WALKING, frame, ["label"], speed_text).markdown
 
 
-def summary(report: Path) -> Table:
+def summary(report: Path) -> str:
     """Error in Table 1; who survives and who tracks where that is not every robot."""
-    return _errors(_summarised(report))
+    return _errors(_summarised(report)).markdown
 
 
-def overview(report: Path) -> Table:
+def overview(report: Path) -> str:
     """As the summary, with median and range of the policy over trainings of several seeds."""
     frame, runs = _summarised(report), read(report.with_name("seeds_runs.csv"))
     speeds, mine = runs.groupby("speed"), frame["controller"] == "policy"
@@ -205,9 +200,8 @@ def overview(report: Path) -> Table:
     frame.loc[mine, "label"] += f", median of {runs['seed'].nunique()} trainings"
     ends = (speeds[_ERROR].agg(end).map(QUANTITIES[_ERROR].text) for end in ("min", "max"))
     (first, *others) = (table := _errors(frame)).rows
-    return table._replace(
-        rows=[first, ["", "range", *map("–".join, zip(*ends, strict=True))], *others]
-    )
+    rows = [first, ["", "range", *map("–".join, zip(*ends, strict=True))], *others]
+    return table._replace(rows=rows).markdown
 
 
 def _summarised(report: Path) -> pd.DataFrame:
@@ -233,7 +227,7 @@ def _errors(frame: pd.DataFrame) -> Table:
     return across("", "command [m/s]", "speed", [_ERROR], frame, ["label"], speed_text)
 
 
-def trainings(report: Path) -> Table:
+def trainings(report: Path) -> str:
     """How far the mean over trainings of several seeds is from the tuned MPC."""
     runs = read(report.with_name("seeds_runs.csv"))
     mpc = read(report.with_name("table1.csv")).query("controller == 'mpc_wbc_tuned'")
@@ -242,7 +236,7 @@ def trainings(report: Path) -> Table:
         shown = QUANTITIES[name]
         away = (_interval(mine - mpc.at[v, name], shown.text) for v, mine in speeds[name])
         rows.append([shown.heading, *away])
-    return Table(["command [m/s]", *map(speed_text, speeds.groups)], rows)
+    return Table(["command [m/s]", *map(speed_text, speeds.groups)], rows).markdown
 
 
 def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
@@ -258,7 +252,7 @@ def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
     )
 
 
-def markdown_tables(report: Path, count: int | None) -> str:
+def markdown_tables(report: Path, count: int | None = None) -> str:
     """Headings, as bold lines, and the first ``count`` tables of a Markdown report."""
     parts: list[str] = []
     for part in report.read_text(encoding="utf-8").split("\n\n"):
@@ -292,25 +286,15 @@ def stage_times(jobs: list[Manifest], store: Store) -> str:
     return Table([*heads, "processor time [min]"], body).markdown
 
 
-_PICTURES = {"figures/tradeoff.svg": "Velocity error over cost of transport of each controller"}
-"""Figures that README shows, which are copied to ``docs/images``."""
-_OF_CSV = {
-    "learning": learning,
-    "overview": overview,
-    "summary": summary,
-    "trainings": trainings,
-}
-_ALSO = {"overview": ["seeds.csv"], "trainings": ["table1.csv"]}
-"""Further reports that a table is of."""
-BLOCKS: dict[str, tuple[str, int | None]] = {
-    "trainings": ("seeds.csv", None),
-    "overview": ("table1.csv", None),
-    "tradeoff": ("figures/tradeoff.svg", None),
-    "summary": ("table1.csv", None),
+_COUNTS = {"gauge": 1, "sweep": 1, "stability": 1, "verification": 1, "second_engine": 2}
+_COUNTS |= {"ablation": 6, "seeds": 6}
+BLOCKS: dict[str, tuple[str, Callable[[Path], str] | None, *tuple[str, ...]]] = {
+    "trainings": ("seeds.csv", trainings, "table1.csv"),
+    "overview": ("table1.csv", overview, "seeds.csv"),
+    "tradeoff": ("figures/tradeoff.svg", picture),
+    "summary": ("table1.csv", summary),
     "times": ("table1.csv", None),
-    "learning": ("gait_quality.csv", None),
-    **{name: (f"{name}.md", 1) for name in ("gauge", "sweep", "stability", "verification")},
-    **{name: (f"{name}.md", 6) for name in ("ablation", "seeds")},
-    "second_engine": ("second_engine.md", 2),
+    "learning": ("gait_quality.csv", learning),
+    **{n: (f"{n}.md", partial(markdown_tables, count=count)) for n, count in _COUNTS.items()},
 }
-"""Name of the block → report, and how many of its tables; of others all."""
+"""Name of the block → report, what makes the block of it, further reports that it is of."""

@@ -32,11 +32,6 @@ def one(store) -> Store:
     return store
 
 
-@pytest.fixture
-def full(store) -> Store:
-    return fill(store)
-
-
 READ = ("plans/*.json", "index/*/*.json", f"gait/{GAIT.recipe}.json")
 
 

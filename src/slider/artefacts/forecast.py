@@ -9,12 +9,12 @@ import statistics
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.resources import files as package_files
-from typing import Any
 
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.run_metadata import parse_metadata
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
+from slider.core.files import flatten
 
 START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""
@@ -45,14 +45,10 @@ def kind(job: JobSpec) -> str:
 
 def size(job: JobSpec) -> float:
     """Product of the values that the time of a job is in proportion to."""
-    factors = []
-    for key in _FACTORS.get(job.stage, ()):
-        value: Any = job.section
-        for part in key.split("."):
-            value = value.get(part) if isinstance(value, Mapping) else None
-        value = len(value) if isinstance(value, list) else value
-        factors.append(value if isinstance(value, int | float) else 1.0)
-    return math.prod(factors)
+    values = flatten(job.section)
+    found = (values.get(key) for key in _FACTORS.get(job.stage, ()))
+    factors = (len(value) if isinstance(value, list) else value for value in found)
+    return math.prod(factor for factor in factors if isinstance(factor, int | float))
 
 
 def computed(

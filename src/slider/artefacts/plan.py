@@ -124,10 +124,9 @@ def plan_paths(folder: Path) -> list[Path]:
 
 def write_plan(plan: Plan, folder: Path) -> Path:
     """Write a plan under the digest of its content, if it is not there whole, as the latest."""
-    text = files.canonical(_to_values(plan))
-    path = folder / f"{files.digest_text(text)}.json"
-    if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
-        files.write_atomic(path, f"{text}\n")
+    text, path = f"{files.canonical(_to_values(plan))}\n", plan_path(plan, folder)
+    if not path.is_file() or path.read_bytes() != text.encode():
+        files.write_atomic(path, text)
     os.utime(path)
     return path
 

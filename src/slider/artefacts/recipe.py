@@ -8,7 +8,7 @@ import ast
 import hashlib
 import importlib.util
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
@@ -25,7 +25,6 @@ DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
 """Endings of data files, which a source digest covers where they lie beside its modules."""
 Groups = Mapping[str, Sequence[str]]
 """Name of an input → digests, in order."""
-_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -54,15 +53,10 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
     return Code(entry, source, versions(packages), parts)
 
 
-class Closure(NamedTuple):
-    """Digests of the modules and data files behind an entry module; third-party packages."""
+def closure(entry: str, root: Path) -> tuple[dict[str, str], tuple[str, ...]]:
+    """Digests of the modules and data files behind ``entry``; third-party packages.
 
-    parts: Mapping[str, str]
-    third_party: tuple[str, ...]
-
-
-def closure(entry: str, root: Path) -> Closure:
-    """Follow the imports of module ``entry`` within its own package below a folder.
+    Imports are followed within the entry module's own package below a folder.
 
     Digests are those of syntax trees without docstrings, those of fields too (comments are not part
     of them), and those of the data files that lie beside the modules.
@@ -86,7 +80,7 @@ def closure(entry: str, root: Path) -> Closure:
                 data |= module.data
                 waiting += module.imports
     parts = {name: group[name] for group in (modules, data) for name in sorted(group)}
-    return Closure(parts, tuple(sorted(third_party - sys.stdlib_module_names)))
+    return parts, tuple(sorted(third_party - sys.stdlib_module_names))
 
 
 class Module(NamedTuple):
@@ -112,7 +106,7 @@ def read_module(name: str, root: Path) -> Module | None:
     parent = name.rpartition(".")[0]
     package = name if path.name == "__init__.py" else parent
     imports = {parent} - {""}  # importing a.b.c runs the __init__ files of a and a.b
-    for node in _statements(tree):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             imports |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -123,16 +117,6 @@ def read_module(name: str, root: Path) -> Module | None:
             node.body = [item for item in node.body if not _is_text(item)]
     digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
     return Module(digest, sorted(imports), _data(path.parent, root))
-
-
-def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """The module and all its statements. Expressions, most of a tree, hold none."""
-    waiting: list[ast.AST] = [tree]
-    while waiting:
-        node = waiting.pop()
-        for block in _BLOCKS:
-            waiting += getattr(node, block, ())
-        yield node
 
 
 def _is_text(node: ast.stmt) -> bool:

@@ -14,17 +14,13 @@ from slider.library.blend import Gait, blend
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.gaits import forward_gaits
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure
-from slider.robot.kinematics import foot_ends, leg_points
+from slider.robot.kinematics import about_x, foot_ends, leg_points
 from slider.robot.names import joint_names, knee_joint_names
 
 _PHASE = np.linspace(0.0, 1.0, 101)
 _ROLLS = 41
 _TOUCHDOWNS = np.linspace(0.5, 1.05, 221)  # phases at which the swing foot may land
 _MARGIN = 0.35  # of the drawn roll beyond the gait's, as a share of its range
-_KNEE, _SLIDE = (f"right_{name}" for name in ("knee", "slide"))  # of the swing leg
-_VIRTUAL = (_KNEE, "virtual knee", "knee flexion [rad]", "its velocity [rad/s]")
-_OWN = (_SLIDE, "prismatic joint", "slide [m]", "its velocity [m/s]")
-_OWN_KNEE = (_SLIDE, "knee", "knee [rad]", "its velocity [rad/s]")
 
 
 @dataclass(frozen=True)
@@ -50,9 +46,12 @@ def draw(library: GaitLibrary) -> Figure:
     gait = _shown(library)
     figure = new_figure(3.4)
     figure.set_layout_engine(None)  # which does not see the labels of three axes
-    own = _OWN if library.robot.geometry.knee is None else _OWN_KNEE
-    panels = (own,) if library.robot.virtual_knee is None else (_VIRTUAL, own)
-    for place, (joint, title, *labels) in enumerate(panels):
+    panels = [("right_slide", "prismatic joint", "slide", "m")]
+    if library.robot.virtual_knee is not None:
+        panels.insert(0, ("right_knee", "virtual knee", "knee flexion", "rad"))
+    elif library.robot.geometry.knee is not None:
+        panels = [("right_slide", "knee", "knee", "rad")]
+    for place, (joint, title, name, unit) in enumerate(panels):  # of the swing leg
         bounds = (0.5 * place - 0.01 + 0.25 * (len(panels) == 1), 0.0, 0.47, 1.0)
         # In the order of drawing: the orbit in front of the surfaces.
         axes = figure.add_axes(bounds, projection="3d", computed_zorder=False)
@@ -60,8 +59,8 @@ def draw(library: GaitLibrary) -> Figure:
         _draw(axes, portrait(gait, joint))
         axes.set_title(title, y=0.96)
         axes.set_xlabel("roll of the stance foot [rad]", labelpad=-3)
-        axes.set_ylabel(labels[0], labelpad=-3)
-        axes.set_zlabel(labels[1], labelpad=-3)
+        axes.set_ylabel(f"{name} [{unit}]", labelpad=-3)
+        axes.set_zlabel(f"its velocity [{unit}/s]", labelpad=-3)
     return figure
 
 
@@ -126,9 +125,7 @@ def swing_height(gait: Gait, roll: float, phase: np.ndarray) -> np.ndarray:
     forward, up = _unit(toe - heel), _unit(hip - ankle)
     left = _unit(np.cross(up, forward))  # the ankle turns about it
     foot = np.stack([forward, left, np.cross(forward, left)], axis=1)  # base to foot
-    sine, cosine = np.sin(roll), np.cos(roll)
-    rolled = np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
-    ends = foot_ends(geometry, rolled @ foot, joints)[..., 2].min(axis=2)
+    ends = foot_ends(geometry, about_x(np.array([roll])) @ foot, joints)[..., 2].min(axis=2)
     return ends[:, 1] - ends[:, 0]
 
 

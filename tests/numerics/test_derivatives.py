@@ -6,7 +6,7 @@ import pytest
 
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.solve import Nlp
-from tests.gait.gaits import config, problem, solver
+from tests.gait.gaits import config, problem
 
 STEP_SIZE = 1e-6
 
@@ -56,11 +56,3 @@ def test_gradient_jacobian_and_hessian_along_random_directions(seed, turning):
     upper = dense(nlp.hessian(x, velocity, factor, multipliers))
     hessian = upper + np.triu(upper, 1).T
     assert_close(hessian @ direction, along(lagrangian_gradient))
-
-
-def test_rows_and_bounds_belong_together():
-    lower, upper = problem().row_bounds
-    rows = np.concatenate([block.rows for block in problem().blocks])
-    np.testing.assert_array_equal(np.sort(rows), np.arange(len(lower)))
-    assert (lower <= upper).all()
-    assert solver().problem.layout.size == len(problem().variable_bounds((0.25, 0.42))[0])

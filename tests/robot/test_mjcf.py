@@ -23,7 +23,6 @@ def model():
 def test_joints_actuators_and_mass(model):
     assert tuple(model.joint(i).name for i in range(1, model.njnt)) == JOINTS
     assert tuple(model.actuator(i).name for i in range(model.nu)) == MOTORS
-    assert not any("upper_foot" in model.actuator(i).name for i in range(model.nu))
     assert model.body_mass.sum() == pytest.approx(12.5248, abs=1e-9)
     assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
     assert model.na == 0

@@ -149,21 +149,12 @@ def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
     )
 
 
-@pytest.mark.parametrize(
-    ("phase", "left", "right", "expected"),
-    [
-        (0.25, 100.0, 0.0, 1.0),  # left stance, as asked
-        (0.25, 0.0, 100.0, 0.0),
-        (0.25, 0.0, 0.0, 0.5),
-        (0.75, 0.0, 100.0, 1.0),  # right stance
-        (0.02, 0.0, 100.0, 1.0),  # near a switch nothing is asked
-        (0.48, 0.0, 0.0, 1.0),
-    ],
-)
-def test_contact_schedule(phase, left, right, expected):
-    view = make_view(make_state(1, foot_forces=[left, right]), phase=[phase])
+def test_contact_schedule():
+    """Left stance as asked, the wrong foot, none; right stance; near a switch nothing is asked."""
+    forces = 100.0 * np.array([[1, 0], [0, 1], [0, 0], [0, 1], [0, 1], [0, 0]])
+    view = make_view(make_state(6, foot_forces=forces), phase=[0.25, 0.25, 0.25, 0.75, 0.02, 0.48])
     found = value("contact_schedule", view, loaded=20.0, unloaded=1.0, margin=0.15)
-    np.testing.assert_allclose(found, [expected])
+    np.testing.assert_allclose(found, [1.0, 0.0, 0.5, 1.0, 1.0, 1.0])
 
 
 def test_the_guide_of_a_halted_robot_is_standing():

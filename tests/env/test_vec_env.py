@@ -156,11 +156,8 @@ def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_ste
 
 
 def test_commands_are_seen_and_change():
-    whole = config("experiment=test")
-    train = whole.train.walking
-    limits = replace(train.velocities.vx, lower=0.1)
-    velocities = replace(train.velocities, period=0.2, vx=limits, standing_fraction=0.0)
-    env = build(whole, replace(train, velocities=velocities))
+    limits = Interval(0.1, 0.5)
+    env = starting(config("experiment=test"), 0.0, period=0.2, vx=limits, standing_fraction=0.0)
     before = env.agent.command[:, :3].numpy().copy()
     for _ in range(40):
         env.step(STILL)

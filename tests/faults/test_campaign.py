@@ -37,10 +37,3 @@ def test_all_trials():
     done = campaign("-m", "tests.faults.campaign")
     print(done.stdout)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.faults
-def test_a_training_that_ends_at_any_moment_gives_the_same_bytes():
-    done = campaign("-m", "tests.faults.trainings")
-    print(done.stdout)
-    assert done.returncode == 0, done.stderr

@@ -1,39 +1,68 @@
-"""The page as its reader meets it, in a browser."""
+"""The page as its reader meets it, in a headless Chromium of the system."""
 
 import csv
+import shutil
+from collections.abc import Iterator
 
 import pytest
 
+from tests.workflow.workspace import Workspace
+from tests.workflow.workspace import finished as finished_pipeline
+
 pytestmark = pytest.mark.workflow
+CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
+PATIENCE = 300.0  # for anything to happen on a busy machine [s]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[object]:
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="needs the Python package playwright (extra test)"
+    )
+    path = next(filter(None, map(shutil.which, CANDIDATES)), None)
+    if path is None:
+        pytest.skip("needs Chromium, such as Debian's package chromium")
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def finished(browser, session_folder) -> Workspace:
+    """A pipeline that ran up to its report, with tracking; nobody may change it."""
+    return finished_pipeline(session_folder)
 
 
 @pytest.fixture
-def opened(finished, visit):
-    def open_report(scheme="light", width=1280):
-        return visit((finished.folder / "reports" / "index.html").as_uri(), scheme, width)
+def page(browser, finished) -> Iterator[object]:
+    """The open report, and everything it complained about or asked for."""
+    with browser.new_page(viewport={"width": 1280, "height": 900}) as page:
+        page.set_default_timeout(1000 * PATIENCE)
+        page.complaints, page.requests = [], []
+        page.on("console", lambda m: m.type == "error" and page.complaints.append(m.text))
+        page.on("pageerror", lambda error: page.complaints.append(str(error)))
+        page.on("request", lambda asked: page.requests.append(asked.url))
+        page.goto((finished.folder / "reports" / "index.html").as_uri())
+        yield page
 
-    return open_report
 
-
-def test_loads_without_complaint_and_without_the_network(opened):
-    report = opened()
-    assert report.complaints == []
-    outside = [r for r in report.requests if not r.startswith(("file:", "data:", "blob:"))]
+def test_loads_without_complaint_and_without_the_network(page):
+    assert page.complaints == []
+    outside = [r for r in page.requests if not r.startswith(("file:", "data:", "blob:"))]
     assert outside == []
-    drawn = report.page.locator(".pictures img").evaluate_all("all => all.map(i => i.naturalWidth)")
+    drawn = page.locator(".pictures img").evaluate_all("all => all.map(i => i.naturalWidth)")
     assert len(drawn) >= 5
     assert min(drawn) > 0
 
 
-def test_the_first_screen_shows_the_robot_and_the_plot(opened):
-    page = opened().page
+def test_the_first_screen_shows_the_robot_and_the_plot(page):
     for selector in ("#overview video", "#overview img", "#overview p"):
         box = page.locator(selector).first.bounding_box()
         assert box["y"] + box["height"] < 900
 
 
-def test_shows_the_numbers_of_table_1(opened, finished):
-    page = opened().page
+def test_shows_the_numbers_of_table_1(page, finished):
     rows = csv.DictReader(finished.table.read_text().splitlines())
     ours = {row["speed"]: row for row in rows if row["controller"] == "policy"}
     lines = page.locator("#table1 table").first.locator("tbody tr").all_inner_texts()
@@ -42,8 +71,7 @@ def test_shows_the_numbers_of_table_1(opened, finished):
         assert shown[speed].startswith(f"{100 * float(row['success_rate']):.1f} %")
 
 
-def test_a_video_plays(opened):
-    page = opened().page
+def test_a_video_plays(page):
     video = page.locator("video").first
     assert video.evaluate("v => v.play().then(() => v.videoWidth)") > 0
     video.evaluate("v => { v.loop = false; }")
@@ -52,8 +80,8 @@ def test_a_video_plays(opened):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_follows_the_theme_of_the_reader(opened, scheme):
-    page = opened(scheme).page
+def test_follows_the_theme_of_the_reader(page, scheme):
+    page.emulate_media(color_scheme=scheme)
 
     def brightness(name):
         colour = page.locator("body").evaluate(
@@ -66,8 +94,8 @@ def test_follows_the_theme_of_the_reader(opened, scheme):
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_fits_the_screen(opened, width):
-    page = opened(width=width).page
+def test_fits_the_screen(page, width):
+    page.set_viewport_size({"width": width, "height": 900})
     # Of a table of numbers a column keeps its numbers whole; on a narrow screen it scrolls.
     numbers = ".scroll:has(.numbers)" if width < 700 else ".none"
     wide = page.locator(f"section > .scroll:not({numbers})").evaluate_all(

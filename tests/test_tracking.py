@@ -158,14 +158,6 @@ def test_what_is_missing_is_said_and_the_rest_is_there(tracked):
     assert states(tracked) == {"pipeline": FINISHED, "library": FINISHED}
 
 
-def test_a_broken_database_stops_nothing(store):
-    (store.root / "mlflow.db").mkdir(parents=True)
-    tracking = start(store)
-    run(tracking, store, GAITS[0])
-    tracking.finish(succeeded=True)
-    assert str(tracking.error) == "unable to open database file"
-
-
 def test_metrics_that_cannot_be_written_are_one_warning(tmp_path, caplog):
     (tmp_path / "file").touch()
     log = MetricsFile(tmp_path / "file" / "metrics.jsonl")

@@ -53,10 +53,6 @@ def test_the_shipped_policy_is_of_this_version_and_walks():
     np.testing.assert_allclose(recording.velocity[100:, :, 0].mean(axis=0), speeds, atol=0.15)
 
 
-def test_what_ships_is_small():
-    assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < 1_500_000
-
-
 class Walk:
     """The shipped policy in plain MuJoCo; ``spoil`` changes the readings of a tick."""
 
@@ -78,29 +74,14 @@ class Walk:
         return self.robot.data.qpos[0] - start
 
 
-@pytest.mark.parametrize(
-    ("name", "index"),
-    [("joint_positions", 3), ("joint_velocities", 2), ("linear_velocity", 0), ("quaternion", 3)],
-)
-def test_it_walks_on_after_a_sample_that_is_no_number(example, contract, name, index):
+def test_it_walks_on_after_samples_that_are_no_numbers(example, contract):
+    names = ("joint_positions", "joint_velocities", "linear_velocity", "quaternion")
+
     def spoil(tick, readings):
-        if tick % 50 == 40:
-            readings[name][index] = np.nan
+        if tick % 10 == 0:
+            readings[names[tick // 10 % 4]][0] = np.nan
 
     assert Walk(example, contract).go(4.0, 1.2, spoil) == pytest.approx(4.0, abs=0.8)
-
-
-def test_it_starts_again_where_it_was_stopped(example, contract):
-    """20 times from rest at 2.2 m/s, each after a walk of another length, with the same object."""
-    walk = Walk(example, contract)
-    data, rng = walk.robot.data, np.random.default_rng(0)
-    rest = data.qpos.copy()
-    for trial in range(20):
-        walk.go(0.5 + 0.05 * trial, 2.2)
-        data.time += 1.0
-        data.qpos[:], data.qvel[:] = rest, 0.0
-        data.qpos[7:] += 0.005 * rng.standard_normal(12)
-    assert walk.go(3.0, 2.2) > 4.0
 
 
 def test_a_restart_is_a_new_object(example, contract):
@@ -122,21 +103,6 @@ def test_missed_and_late_ticks_are_made_up_for(example, contract):
             found = irregular(PERIOD * (tick + 0.4 * (tick % 2)), readings)
             np.testing.assert_allclose(found, expected, atol=1e-12)
     np.testing.assert_array_equal(irregular(PERIOD * 99.4, readings), found)  # the same period
-
-
-def test_it_walks_with_missed_ticks(example, contract):
-    walk = Walk(example, contract)
-    policy = walk.policy
-
-    def sometimes(now, readings):
-        return (
-            policy.outputs and [policy.outputs[0][0]]
-            if round(now / PERIOD) % 20 == 13
-            else policy(now, readings)
-        )
-
-    walk.policy = sometimes
-    assert walk.go(4.0, 1.2) == pytest.approx(4.0, abs=0.8)
 
 
 @pytest.mark.parametrize("timestep", [0.004, 0.003])

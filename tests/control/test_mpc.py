@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.control.model_based import build_plant
 from slider.control.mpc import advance_swing, mpc_controller, swing_at_rest
 from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.control.whole_body.references import ReferenceVelocity
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import CONTACT_FORCE
-from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
 from tests.control.walking import COUNT, walk
@@ -53,7 +53,7 @@ def test_walks_on_slopes_that_it_receives():
 def test_a_robot_does_not_depend_on_the_others():
     """The second of two robots with starts of their own, alone."""
     whole, two = config(), walk(TUNED, (1.0, (0.6, 0.0, 0.0)), noise=True)[0]
-    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
+    physics = build_plant(robot_config(), whole.env.plant, whole.control[TUNED], 1)
     controller = mpc_controller(robot_config(), whole.control[TUNED], physics.period)
     starts = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
     start, command = tuple(values[1:] for values in starts), np.array([[0.6, 0.0, 0.0]])

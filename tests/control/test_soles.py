@@ -1,12 +1,9 @@
 """The baseline walks on feet with soles, by the motors of the ankles' rolls."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 
-from slider.control.model_based import build_controller
-from slider.env.physics import BatchedPhysics
+from slider.control.model_based import build_controller, build_plant
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.robot.mjcf import SimulationOptions, build_model
@@ -19,8 +16,7 @@ from tests.robot.soled import with_soles
 def test_walks_on_soles_that_stay_level():
     robot, whole, command = with_soles(robot_config(), 0.05, 0.04), config(), [[0.4, 0.0, 0.0]]
     control = whole.control["mpc_wbc_tuned"]
-    settings = replace(whole.env.physics, substeps=control.substeps)
-    physics = BatchedPhysics(robot, settings, 1, 1, "torque")
+    physics = build_plant(robot, whole.env.plant, control, 1)
     controller = build_controller(robot, control, whole.env.physics, 1, None)
     start = at_rest(robot, STILL, np.random.default_rng(7), 1)
     recording = roll_out(controller, physics, whole.env, start, np.array(command), 4.0)

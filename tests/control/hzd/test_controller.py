@@ -12,6 +12,7 @@ from slider.config.control import HzdControlConfig
 from slider.config.hzd import enforced_section
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
+from slider.control.model_based import build_plant
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import WALK
 from slider.core.errors import UserError
@@ -38,8 +39,7 @@ def placed(feedback: FootPlacement) -> EnforcedGaits:
 def controlled(count: int, enforced: EnforcedGaits | None = None):
     whole = config()
     control = whole.control["hzd"]
-    settings = replace(whole.env.physics, substeps=control.substeps)
-    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque")
+    physics = build_plant(robot_config(), whole.env.plant, control, count)
     return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
 
 
@@ -58,16 +58,6 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity(seconds, kind
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
-
-
-def test_walks_behind_the_observer():
-    """What the observer estimates drifts a little from what is measured."""
-    whole = config()
-    observer = replace(whole.control["mpc_wbc_observer"].observer, delay=0.0)
-    settings = replace(whole.control["hzd"], observer=observer)
-    recording, _ = walk(settings, (5.0, (0.4, 0.05, 0.0)), gaits=gaits())
-    assert recording.survived.all()
-    np.testing.assert_allclose(recording.velocity[-84:, :, 0].mean(), 0.4, atol=0.06)
 
 
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:

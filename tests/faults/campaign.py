@@ -1,10 +1,9 @@
-"""``python -m tests.faults.campaign``: break the store in every way, and see what becomes of it.
+"""``python -m tests.faults.campaign N``: break the store in every way, and see what becomes of it.
 
-Each trial ends with the true table or, before that, with one line that says what to do. ``--every
-N`` takes each N-th trial.
+Each trial ends with the true table or, before that, with one line that says what to do. Each N-th
+one is taken.
 """
 
-import argparse
 import errno
 import os
 import shutil
@@ -161,10 +160,7 @@ def expect(met: bool, trial: Trial, found: object) -> None:
 
 def main() -> int:
     """Print the counts of each kind and outcome; status 1 if a trial failed."""
-    parser = argparse.ArgumentParser("faults", description=__doc__)
-    parser.add_argument("--every", type=int, default=1, metavar="N", help="each N-th trial")
-    every = parser.parse_args().every
-    counts: Counter[str] = Counter()
+    every, counts = int(sys.argv[1]), Counter[str]()
     with tempfile.TemporaryDirectory() as name, chain(Path(name)) as whole:
         assert whole.complete().status == 0
         for number, trial in enumerate(islice(trials(whole, Path(name)), 0, None, every)):

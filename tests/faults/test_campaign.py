@@ -13,14 +13,12 @@ from tests.workflow.workspace import REPOSITORY
 SHORT = 19
 
 
-def campaign(*arguments: str):
-    # A process without threads: each trial is a fork of it.
-    command = [sys.executable, *arguments]
-    return subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
-
-
-def test_each_trial_ends_with_the_true_table_or_one_line():
-    done = campaign("-m", "tests.faults.campaign", "--every", str(SHORT))
+@pytest.mark.parametrize("every", [SHORT, pytest.param(1, marks=pytest.mark.faults)])
+def test_each_trial_ends_with_the_true_table_or_one_line(every):
+    # In a process without threads: each trial is a fork of it.
+    command = [sys.executable, "-m", "tests.faults.campaign", str(every)]
+    done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
+    print(done.stdout)
     assert done.returncode == 0, done.stderr
     for kind in ("killed", "disk full", "a passing fault", "a flipped bit", "a lost file"):
         assert kind in done.stdout
@@ -30,10 +28,3 @@ def test_what_a_log_on_a_full_disk_does_not_take_is_not_said_twice(tmp_path):
     with chain(tmp_path) as whole:
         act = broken("gait 0.2", no_file_beyond, 1)
         assert is_one_line(act(Chain(tmp_path / "fresh", whole.plan)))
-
-
-@pytest.mark.faults
-def test_all_trials():
-    done = campaign("-m", "tests.faults.campaign")
-    print(done.stdout)
-    assert done.returncode == 0, done.stderr

@@ -146,10 +146,3 @@ def constant_code():
 @pytest.fixture
 def store(tmp_path: Path) -> Store:
     return Store(tmp_path / "artefacts")
-
-
-@pytest.fixture(scope="session")
-def session_folder(tmp_path_factory) -> Path:
-    """A folder of this test session, the same one in all processes of pytest-xdist."""
-    base = tmp_path_factory.getbasetemp()
-    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base

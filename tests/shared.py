@@ -5,6 +5,7 @@ import pickle
 from collections.abc import Callable
 from functools import cache, wraps
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any, TypeVar
 
 from slider.artefacts.store import exclusive
@@ -17,6 +18,11 @@ FOLDER = "SLIDER_TEST_SESSION"  # set by tests/conftest.py; a process of pytest-
 def folder() -> Path:
     """Where they lie; it goes with the session."""
     return Path(os.environ[FOLDER])
+
+
+def new_folder() -> Path:
+    """An empty one there, for a result that consists of files."""
+    return Path(mkdtemp(dir=folder()))
 
 
 def shared(function: F) -> F:

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.workflow.workspace import Workspace
-from tests.workflow.workspace import finished as finished_pipeline
+from tests.workflow.workspace import Workspace, finished
 
 pytestmark = pytest.mark.workflow
 CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
@@ -29,13 +28,13 @@ def browser() -> Iterator[object]:
 
 
 @pytest.fixture(scope="module")
-def finished(browser, session_folder) -> Workspace:
-    """A pipeline that ran up to its report, with tracking; nobody may change it."""
-    return finished_pipeline(session_folder)
+def real(browser) -> Workspace:
+    """A pipeline that ran up to its report; nobody may change it."""
+    return finished()
 
 
 @pytest.fixture
-def page(browser, finished) -> Iterator[object]:
+def page(browser, real) -> Iterator[object]:
     """The open report, and everything it complained about or asked for."""
     with browser.new_page(viewport={"width": 1280, "height": 900}) as page:
         page.set_default_timeout(1000 * PATIENCE)
@@ -43,7 +42,7 @@ def page(browser, finished) -> Iterator[object]:
         page.on("console", lambda m: m.type == "error" and page.complaints.append(m.text))
         page.on("pageerror", lambda error: page.complaints.append(str(error)))
         page.on("request", lambda asked: page.requests.append(asked.url))
-        page.goto((finished.folder / "reports" / "index.html").as_uri())
+        page.goto((real.folder / "reports" / "index.html").as_uri())
         yield page
 
 
@@ -62,8 +61,8 @@ def test_the_first_screen_shows_the_robot_and_the_plot(page):
         assert box["y"] + box["height"] < 900
 
 
-def test_shows_the_numbers_of_table_1(page, finished):
-    rows = csv.DictReader(finished.table.read_text().splitlines())
+def test_shows_the_numbers_of_table_1(page, real):
+    rows = csv.DictReader(real.table.read_text().splitlines())
     ours = {row["speed"]: row for row in rows if row["controller"] == "policy"}
     lines = page.locator("#table1 table").first.locator("tbody tr").all_inner_texts()
     shown = dict(line.split("\t")[:2] for line in lines)

@@ -3,7 +3,6 @@
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
-from tempfile import mkdtemp
 
 import torch
 
@@ -48,7 +47,7 @@ def write_policy(path: Path, *overrides: str, only: Collection[str] = TERMS) -> 
 @shared.shared
 def exported() -> Path:
     """Folder of such a policy and its exported files, once per test session: do not change it."""
-    folder = Path(mkdtemp(prefix="policy-", dir=shared.folder()))
+    folder = shared.new_folder()
     write_policy(folder / POLICY_FILE)
     estimator = config("experiment=test").env.estimator
     write_files(folder / POLICY_FILE, {"recipe": "abc"}, folder, estimator)

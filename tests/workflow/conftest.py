@@ -6,12 +6,12 @@ from tests.workflow.workspace import Workspace, dummies_that_ran, finished
 
 
 @pytest.fixture(scope="session")
-def real(session_folder) -> Workspace:
+def real() -> Workspace:
     """A pipeline that ran from nothing to its table and its page, once; nobody may change it."""
-    return finished(session_folder)
+    return finished()
 
 
 @pytest.fixture
-def workspace(session_folder, tmp_path) -> Workspace:
+def workspace(tmp_path) -> Workspace:
     """A pipeline of stages in miniature that ran."""
-    return dummies_that_ran(session_folder, tmp_path / "copy")
+    return dummies_that_ran().copy(tmp_path / "copy")

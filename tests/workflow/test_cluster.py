@@ -15,7 +15,6 @@ from tests.workflow.workspace import (
     TABLE,
     Workspace,
     copy_repository,
-    finished,
     with_dummies,
 )
 
@@ -57,10 +56,9 @@ def forget(workspace: Workspace, *stages: str) -> None:
 
 
 def test_a_run_that_is_interrupted_twice_ends_with_the_table_of_a_local_run(
-    cluster, session_folder, tmp_path
+    cluster, real, tmp_path
 ):
-    local = finished(session_folder)
-    workspace = local.copy(tmp_path / HOSTILE)
+    workspace = real.copy(tmp_path / HOSTILE)
     forget(workspace, "walking", "evaluation", "table1")
     workspace.table.unlink()
     head = submit(workspace, cluster)
@@ -82,9 +80,9 @@ def test_a_run_that_is_interrupted_twice_ends_with_the_table_of_a_local_run(
     head = submit(workspace, cluster)
     _, text = head.communicate(timeout=240)
     assert head.returncode == 0, text
-    assert workspace.table.read_bytes() == local.table.read_bytes()
+    assert workspace.table.read_bytes() == real.table.read_bytes()
     for stage in ("walking", "evaluation", "table1"):
-        assert workspace.objects(stage) <= local.objects(stage)
+        assert workspace.objects(stage) <= real.objects(stage)
     (facts,) = (workspace.artefacts / "walking").glob("*.run.json")
     assert json.loads(facts.read_text())["threads"] == CORES, "all cores of its own"
     assert not list(tmp_path.rglob("pwned"))

@@ -16,9 +16,9 @@ pytestmark = pytest.mark.workflow
 
 
 @pytest.fixture(scope="module")
-def giver(session_folder, tmp_path_factory) -> Workspace:
+def giver(tmp_path_factory) -> Workspace:
     """A pipeline of dummies that ran and pushed all to a folder beside it."""
-    workspace = dummies_that_ran(session_folder, tmp_path_factory.mktemp("giver") / "once")
+    workspace = dummies_that_ran().copy(tmp_path_factory.mktemp("giver") / "once")
     pushed = workspace.slider("store", "push", str(workspace.folder / "remote"))
     assert pushed.stdout.startswith(f"push to {workspace.folder}/remote: {len(EVERYTHING)} sent (")
     return workspace

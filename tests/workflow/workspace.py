@@ -6,15 +6,13 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from pipeline.stages.entries import STAGES
-from slider.artefacts.store import exclusive
 from tests import shared
 
 REPOSITORY = Path(__file__).parents[2]
@@ -188,47 +186,33 @@ def copy_repository(folder: Path) -> Workspace:
     return Workspace(folder)
 
 
-@cache
+@shared.shared
 def _compiled() -> Path:
     """The pipeline with its bytecode, once per session: each copy would compile it anew.
 
     The test processes write beside the sources of the repository; nobody writes here.
     """
-
-    def compile_all(folder: Path) -> None:
-        for name in ("pipeline", "profiles", "conf", "src"):
-            no_bytecode = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(REPOSITORY / name, folder / name, ignore=no_bytecode)
-        shutil.copy(REPOSITORY / "Snakefile", folder)
-        words = ["-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
-        compiled = Workspace(folder).command([*words, "src", "pipeline"])
-        assert compiled.returncode == 0, compiled.stderr
-
-    return _once(shared.folder(), "repository", compile_all)
-
-
-def _once(parent: Path, name: str, make: Callable[[Path], object]) -> Path:
-    """A folder that one process makes while the others wait."""
-    done, folder = parent / f"{name}.done", parent / name
-    with exclusive(parent, name):
-        if not done.exists():
-            shutil.rmtree(folder, ignore_errors=True)
-            make(folder)
-            done.touch()
+    folder = shared.new_folder()
+    for name in ("pipeline", "profiles", "conf", "src"):
+        no_bytecode = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(REPOSITORY / name, folder / name, ignore=no_bytecode)
+    shutil.copy(REPOSITORY / "Snakefile", folder)
+    words = ["-m", "compileall", "-q", "--invalidation-mode", "checked-hash", "src", "pipeline"]
+    compiled = Workspace(folder).command(words)
+    assert compiled.returncode == 0, compiled.stderr
     return folder
 
 
-def finished(folder: Path) -> Workspace:
+@shared.shared
+def finished() -> Workspace:
     """A tracked pipeline that ran from nothing to its table and its page, in a hostile folder.
 
-    All who ask for it with the same folder share it. Copy it before you change it.
+    All tests share it. Copy it before you change it.
     """
-
-    def run(folder: Path) -> None:
-        done = copy_repository(folder).snakemake(TABLE, PAGE)
-        assert done.returncode == 0, done.stderr
-
-    return Workspace(_once(folder, HOSTILE, run))
+    workspace = copy_repository(shared.new_folder() / HOSTILE)
+    done = workspace.snakemake(TABLE, PAGE)
+    assert done.returncode == 0, done.stderr
+    return workspace
 
 
 def with_dummies(workspace: Workspace) -> Workspace:
@@ -245,10 +229,9 @@ def with_dummies(workspace: Workspace) -> Workspace:
     return workspace
 
 
-def dummies_that_ran(session: Path, folder: Path) -> Workspace:
-    """A copy of a pipeline of dummies that ran from nothing to its table, once per session."""
-
-    def run(folder: Path) -> None:
-        assert with_dummies(copy_repository(folder)).computed() == EVERYTHING
-
-    return Workspace(_once(session, "dummies", run)).copy(folder)
+@shared.shared
+def dummies_that_ran() -> Workspace:
+    """A pipeline of dummies that ran from nothing to its table. Copy it before you change it."""
+    workspace = with_dummies(copy_repository(shared.new_folder()))
+    assert workspace.computed() == EVERYTHING
+    return workspace

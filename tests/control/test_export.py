@@ -1,6 +1,7 @@
-"""The exported files: the same joint targets, complete, the same bytes, nothing of this machine."""
+"""The exported files: complete, the same bytes; those of another robot or damaged are one line."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import mujoco
@@ -11,8 +12,11 @@ import pytest
 from slider.cli import main
 from slider.control import ESTIMATOR, EXPORT_FILES, LAYOUT, MODEL, ONNX, POLICY_FILE
 from slider.control.export import TOLERANCE, compare, write_files
+from slider.control.exported import load_exported, run
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
+from slider.core.files import digest_file
+from slider.core.job import Job
 from slider.env.observations import TERMS
 from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
@@ -115,3 +119,47 @@ def test_the_command_exports_and_shows(folder, tmp_path, refused, capsys):
     assert json.loads(capsys.readouterr().out)["robot"] == "slider"
     (tmp_path / POLICY_FILE).write_text("not a policy")
     assert "expected a policy file" in refused("policy", "show", str(tmp_path / POLICY_FILE))
+
+
+@pytest.fixture
+def copy(tmp_path):
+    return shutil.copytree(exported(), tmp_path / "copy"), make_policy()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda layout: layout["joints"][1].update(upper=7.0),
+            r"joints\.1\.upper: expected .*, as configured, found 7\.0$",
+        ),
+        (lambda layout: layout.update(version=1), r"expected slider-policy-layout 11, found .* 1$"),
+        (lambda layout: layout.pop("format"), "expected a layout of this project, found another"),
+    ],
+)
+def test_another_layout_is_one_line(copy, change, message):
+    folder, policy = copy
+    assert load_exported(folder, policy.robot, policy.env)
+    layout = json.loads((folder / LAYOUT).read_text())
+    change(layout)
+    (folder / LAYOUT).write_text(json.dumps(layout))
+    with pytest.raises(UserError, match=message):
+        load_exported(folder, policy.robot, policy.env)
+
+
+def test_a_damaged_network_is_one_line(copy):
+    folder, policy = copy
+    (folder / ONNX).write_bytes(b"nothing")
+    with pytest.raises(UserError, match=r"policy\.onnx: expected an ONNX file, found another one$"):
+        load_exported(folder, policy.robot, policy.env)
+
+
+def test_the_import_takes_the_files_that_it_was_laid_out_for(copy, tmp_path):
+    folder, out = copy[0], tmp_path / "out"
+    out.mkdir()
+    section = {"folder": str(folder), "files": {ONNX: digest_file(folder / ONNX)}}
+    run(section, {}, out, Job(tmp_path))
+    assert (out / ONNX).read_bytes() == (folder / ONNX).read_bytes()
+    (folder / ONNX).write_bytes(b"another")
+    with pytest.raises(UserError, match=r"policy\.onnx: expected the file that the job was laid"):
+        run(section, {}, out, Job(tmp_path))

@@ -10,29 +10,20 @@ from slider.control.whole_body import references
 from tests.env.synthetic import config
 
 OMEGA = references.natural_frequency(0.65)
-STEP = replace(
-    config().control["mpc_wbc_tuned"].step, time=0.3, time_per_speed=0.0, width=0.2, apex=0.07
-)
+TUNED = config().control["mpc_wbc_tuned"]
+STEP = replace(TUNED.step, time=0.3, time_per_speed=0.0, width=0.2, apex=0.07)
 TIME = STEP.time
 
 
-def planner(setting: str = "tuned", step: dict | None = None, **changes) -> FootstepPlanner:
-    control = config().control[f"mpc_wbc_{setting}"]
-    changed = replace(STEP if setting == "tuned" else control.step, **(step or {}))
-    changes = {"steps": 3, "time_weight": 50.0} | changes
-    return FootstepPlanner(changed, replace(control.planner, **changes), OMEGA)
+def planner(step: dict | None = None, **changes) -> FootstepPlanner:
+    settings = replace(TUNED.planner, **{"steps": 3, "time_weight": 50.0} | changes)
+    return FootstepPlanner(replace(STEP, **(step or {})), settings, OMEGA)
 
 
-def pendulum(position, velocity, target=(0.0, 0.0), elapsed: float = 0.1, **changes) -> Pendulum:
-    values = {
-        "position": np.array([position], dtype=float),
-        "velocity": np.array([velocity], dtype=float),
-        "swing_sign": np.array([-1.0]),
-        "elapsed": np.array([elapsed]),
-        "duration": np.array([TIME]),
-        "reference_velocity": np.array([target], dtype=float),
-    }
-    return Pendulum(**(values | changes))
+def pendulum(position, velocity, target=(0.0, 0.0)) -> Pendulum:
+    """On the left foot, 0.1 s into a step."""
+    values = (position, velocity, -1.0, 0.1, TIME, target)
+    return Pendulum(*(np.array([value], dtype=float) for value in values))
 
 
 def on_orbit(case: FootstepPlanner, velocity: np.ndarray | list, elapsed: float) -> Pendulum:
@@ -105,14 +96,6 @@ def test_feet_never_cross():
     lengths, _ = case.solve(now, np.array([0.2]))
     np.testing.assert_array_equal(np.sign(lengths[0, 1]), [-1, 1, -1])
     assert lengths[0, 1, 0] == pytest.approx(-0.11)
-
-
-def test_literal_settings_take_the_command_as_the_velocity_at_the_end():
-    literal, tuned = planner("literal"), planner("tuned")
-    now = pendulum((0.0, -0.1), (0.5, 0.0), (0.5, 0.0))
-    assert literal.references(now)[0][0, 0, 0] == pytest.approx(0.5)
-    expected = references.forward_end_velocity(OMEGA, TIME, np.array(0.5))
-    assert tuned.references(now)[0][0, 0, 0] == pytest.approx(expected)
 
 
 def test_step_time_adapts_where_that_pays_and_stays_in_range():

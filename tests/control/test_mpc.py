@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
-from slider.control.model_based import build_plant
+from slider.control.model_based import build_controller, build_plant
 from slider.control.mpc import advance_swing, mpc_controller, swing_at_rest
 from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.control.whole_body.references import ReferenceVelocity
@@ -13,8 +14,11 @@ from slider.env.disturbance import Disturbance
 from slider.env.metrics import CONTACT_FORCE
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
-from tests.control.walking import COUNT, walk
+from slider.robot.mjcf import SimulationOptions, build_model
+from slider.robot.names import LAST_JOINTS, SIDES, foot
+from tests.control.walking import COUNT, STILL, walk
 from tests.env.synthetic import config, disturbance, make_arrays, robot_config
+from tests.robot.soled import with_soles
 
 TUNED = "mpc_wbc_tuned"
 SETTLED = 6.0  # the integral action needs some strides [s]
@@ -48,6 +52,23 @@ def test_walks_on_slopes_that_it_receives():
     assert recording.survived.all()
     mean = recording.velocity[-90:].mean(axis=0)
     np.testing.assert_allclose(mean, [[0.6, 0.0]] * 3, atol=0.06)
+
+
+def test_walks_on_soles_that_stay_level():
+    robot, whole, command = with_soles(robot_config(), 0.05, 0.04), config(), [[0.4, 0.0, 0.0]]
+    control = whole.control[TUNED]
+    physics = build_plant(robot, whole.env.plant, control, 1)
+    controller = build_controller(robot, control, whole.env.physics, 1, None)
+    start = at_rest(robot, STILL, np.random.default_rng(7), 1)
+    recording = roll_out(controller, physics, whole.env, start, np.array(command), 4.0)
+    np.testing.assert_allclose(steady(recording, 80), [0.4, 0.0], atol=0.05)
+    state = physics.read()
+    assert np.abs(state.joint_positions[0, list(LAST_JOINTS)]).max() > 0.002, "the ankles roll"
+    data = mujoco.MjData(build_model(robot, SimulationOptions()))
+    data.qpos[3:] = np.concatenate([state.quaternion[0], state.joint_positions[0]])
+    mujoco.mj_kinematics(data.model, data)
+    tilts = [data.body(foot(side)).xmat[7] for side in SIDES]
+    np.testing.assert_allclose(tilts, 0.0, atol=0.03)
 
 
 def test_a_robot_does_not_depend_on_the_others():

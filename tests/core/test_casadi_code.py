@@ -14,7 +14,7 @@ import pytest
 from slider.core.casadi_code import Compiled, Functions
 from slider.core.job import Job
 
-needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 FACTS = {"mass": 1.5, "names": ["a", "b"]}
 MIN_PENDING_JOBS = 50
 
@@ -59,7 +59,6 @@ def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return put
 
 
-@needs_compiler
 def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
     first = compiled(tmp_path)(FACTS, small)
     later = compiled(tmp_path, waiting=1)(FACTS, never)
@@ -71,7 +70,6 @@ def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
         assert expected.tobytes() == found.tobytes()
 
 
-@needs_compiler
 @pytest.mark.parametrize(
     "text",
     ["sin(/cos(", r"sin(\([^)]*\))/sin(fabs(\1))"],
@@ -85,7 +83,6 @@ def test_a_compiler_that_changes_bits_is_called_once(tmp_path: Path, compiler, t
     assert not libraries(tmp_path)
 
 
-@needs_compiler
 def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Path, compiler):
     compiler("exit 1")
     for _ in range(2):
@@ -95,14 +92,12 @@ def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Pat
     assert is_compiled(compiled(tmp_path, run="second")(FACTS, small))
 
 
-@needs_compiler
 def test_other_facts_have_other_functions(tmp_path: Path):
     compiled(tmp_path)(FACTS, small)
     compiled(tmp_path)(FACTS | {"mass": 2.0}, small)
     assert len(libraries(tmp_path)) == 2
 
 
-@needs_compiler
 def test_others_wait_where_a_compilation_pays_for_one_job_alone(tmp_path: Path):
     """Else they interpret."""
     compiled(tmp_path)(FACTS, small)

@@ -1,4 +1,4 @@
-"""The evaluation stage on a tiny protocol, with a policy of random weights."""
+"""The evaluation stage on a tiny protocol, with a policy of random weights and the baseline."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -189,3 +189,41 @@ def test_on_another_robot_the_policy_keeps_its_own_model(walking, tmp_path, roll
     assert physics.nominal[2] == pytest.approx(height + 0.05 * robot.geometry.leg_length)
     assert agent.nominal_height == height
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(robot)[7:])
+
+
+def baseline(controller: str = "mpc_wbc_tuned", **changes) -> dict:
+    whole = config(*WHOLE)
+    env = to_dict(whole.env)
+    return {
+        "robot": to_dict(whole.robot),
+        "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
+        "control": to_dict(whole.control[controller]),
+        "evaluation": to_dict(replace(whole.evaluation, **changes)),
+        "controller": controller,
+        "case": to_dict(at_speed(0.2)),
+    }
+
+
+def test_the_baseline_walks_and_its_records_are_those_of_the_policy(tmp_path):
+    """The literal settings take a command of 0.2 m/s as the speed at the end of a step."""
+    controller = "mpc_wbc_literal"
+    values = baseline(controller, duration=4.0, warm_up=2.4)
+    summary = stage.run(values, {}, tmp_path, Job(tmp_path))
+    found = Evaluation.load(tmp_path)
+    assert len(found.robots) == 6
+    assert summary["success_rate"] == 1.0
+    assert summary["controller"] == found.controller == controller
+    np.testing.assert_allclose(found.robots["mean_velocity"], 0.167, atol=0.03)
+    np.testing.assert_array_equal(found.robots["alternation"], 1.0)
+    step = config(*WHOLE).control[controller].step
+    np.testing.assert_allclose(found.robots["touchdown_rate"], 1 / step.time, atol=0.7)
+
+
+def test_the_baseline_walks_disturbed_robots(tmp_path):
+    """Noise, 5 ms of delay, another robot than the nominal model."""
+    overrides = ("evaluation=robust", "evaluation.disturbance.delay={lower: 0.005, upper: 0.005}")
+    disturbance = config(*overrides).evaluation.disturbance
+    values = baseline(duration=3.0, warm_up=1.4, disturbance=disturbance)
+    summary = stage.run(values, {}, tmp_path, Job(tmp_path))
+    assert summary["success_rate"] == 1.0
+    assert summary["mse_steady"] < 0.02

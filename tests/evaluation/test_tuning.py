@@ -9,7 +9,7 @@ import pytest
 from slider.core.job import Job
 from slider.evaluation import tuning
 from slider.reports import tuning as report
-from tests.evaluation.test_baseline import section as baseline
+from tests.evaluation.test_stage import baseline
 
 BOUNDS = {"step.apex": (0.05, 0.09), "planner.steps": (4.0, 5.0)}
 SPACE = {name: {"lower": a, "upper": b, "log": False} for name, (a, b) in BOUNDS.items()}

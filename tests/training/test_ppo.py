@@ -20,14 +20,14 @@ def test_one_call_per_step():
         writer.add_scalar("/reward/alive", 1.0, step)
         writer.add_scalar("Train/mean_reward/time", 3.0, 17)  # against the clock: dropped
         writer.add_scalar("Perf/total_fps", 1e4, step)
-    assert [step for step, _ in notes.metrics] == [0, 1]
+    assert [step for step, _ in notes] == [0, 1]
     writer.stop()
     writer.stop()
-    assert notes.metrics == [
+    assert notes == [
         (step, {"Loss/value": 0.1 * step, "reward/alive": 1.0, "Perf/total_fps": 1e4})
         for step in range(3)
     ]
-    for (step, metrics), row in zip(notes.metrics, curve, strict=True):
+    for (step, metrics), row in zip(notes, curve, strict=True):
         del metrics["Perf/total_fps"]  # the curve is the same on any machine
         assert row == {"iteration": step, **metrics}
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 from unittest.mock import Mock
 
 import pytest
@@ -42,12 +41,12 @@ TINY = (
     "train.walking.ppo.precision=float32",
 )
 
+ROUGH = ("train/walking/disturbance=robust", "train.walking.sensing=onboard")
 # Trainings that must not depend on a kill: where they are configured, and what else.
 KINDS = {
     "standing": ("train.standing", ()),
-    "walking": ("train.walking", ("train/walking/disturbance=robust",)),
+    "walking": ("train.walking", ROUGH),
     "terrain": ("finetuning", ("finetuning=outdoor",)),
-    "onboard": ("train.walking", ("train.walking.sensing=onboard",)),
 }
 STEPS = 8  # of an iteration of theirs
 SHORT = "{0}.iterations=5 {0}.selection.interval=2 {0}.episode_length=0.4 {0}.robots=8"
@@ -55,17 +54,14 @@ CHECKED = "{0}.selection.robots=1 {0}.selection.duration=0.2 {0}.selection.warm_
 LEARNED = f"{{0}}.steps_per_iteration={STEPS} {{0}}.ppo.precision=float32"
 
 
-class Notes:
-    """Keeps the metrics that it is given."""
-
-    def __init__(self) -> None:
-        self.metrics: list[tuple[int, dict[str, float]]] = []
+class Notes(list[tuple[int, dict[str, float]]]):
+    """The metrics that it is given."""
 
     def __call__(self, metrics: Mapping[str, float], step: int) -> None:
-        self.metrics.append((step, dict(metrics)))
+        self.append((step, dict(metrics)))
 
     def series(self, name: str) -> list[tuple[int, float]]:
-        return [(step, metrics[name]) for step, metrics in self.metrics if name in metrics]
+        return [(step, metrics[name]) for step, metrics in self if name in metrics]
 
 
 def task(training: str = "walking", **changes) -> Task:
@@ -106,16 +102,6 @@ class Run:
     def iterations(self) -> list[int]:
         """Iterations that this trainer ran, by rsl-rl's own log."""
         return [step for step, _ in self.notes.series("episode/falls_per_second")]
-
-    def checkpoint(self) -> dict[str, Any]:
-        return read_checkpoint(self.job.work, self.job.progress)
-
-    def rows(self, name: str) -> list[str]:
-        """Lines of an exported table, without its header."""
-        out = self.job.work / "out"
-        out.mkdir(exist_ok=True)
-        self.trainer.export(out)
-        return (out / name).read_text().splitlines()[1:]
 
 
 def trained(work: Path, training: str = "walking", threads: int = 1, **changes) -> Run:
@@ -195,7 +181,8 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, start):
     assert said[-1] == expected
     assert {path.name for path in tmp_path.glob("*.damaged")} == {f"{n}.damaged" for n in damaged}
     run.trainer.run()
-    assert len(run.rows(CURVE)) == run.checkpoint()["iteration"] == 3
+    rows = files(run.trainer)[CURVE].splitlines()[1:]
+    assert len(rows) == read_checkpoint(tmp_path, print)["iteration"] == 3
     assert run.iterations[0] == (0 if start == "anew" else 1)
 
 

@@ -63,7 +63,7 @@ def test_an_unknown_command_names_those_of_people(refused):
         ("play --velocity 1.2 0", "play: argument --velocity: expected 3 arguments"),
         ("gait show --vx abc", "gait show: argument --vx: invalid float value: 'abc'"),
         ("store", "store: the following arguments are required: action"),
-        ("results NOPAGE.md", "expected a page at NOPAGE.md: No such file or directory"),
+        ("results NOPAGE.md", "NOPAGE.md: No such file or directory"),
     ],
 )
 def test_a_wrong_argument_is_one_line(arguments, line, refused):

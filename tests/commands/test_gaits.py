@@ -7,39 +7,18 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.manifest import Manifest
-from slider.artefacts.plan import JobSpec, build_plan, write_plan
-from slider.artefacts.recipe import Code
-from slider.artefacts.store import Store
+from slider.artefacts.plan import write_plan
 from slider.cli import main
+from tests.artefacts.samples import LIBRARY, PLAN
 from tests.library.gaits import write_store
 
 GAITS = [(0.0, 0.0), (0.5, 0.0), (0.6, 0.1)]
 HOLES = [(0.6, 0.0)]
-CODE = Code("slider.none:run", "abc", {})
-STORE = Store(Path("artefacts"))
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory) -> Path:
     return write_store(tmp_path_factory.mktemp("commands"), GAITS, HOLES)
-
-
-@pytest.fixture
-def job(monkeypatch, tmp_path: Path) -> JobSpec:
-    """Of the library, in the plan of an empty store, in the working directory."""
-    monkeypatch.chdir(tmp_path)
-    gaits = [JobSpec("gait", "gait", CODE, {"velocity": [*v, 0.0]}) for v in [*GAITS, *HOLES]]
-    job = JobSpec("library", "library", CODE, {}, {"gaits": gaits})
-    write_plan(build_plan({"library": job}), STORE.root / "plans")
-    return job
-
-
-def publish(job: JobSpec, made: Path) -> None:
-    """Put a library into the store as the result of a job."""
-    with STORE.temporary("test") as out:
-        shutil.copytree(made, out / "library.zarr")
-        result = STORE.publish(out, {})
-    STORE.write_manifest(Manifest(job.stage, job.recipe, {}, result))
 
 
 def test_the_overview_has_grid_holes_ranges_and_the_worst_residual(library, capsys):
@@ -67,13 +46,17 @@ def test_export_writes_the_gait(library, capsys, tmp_path: Path):
     assert len(out.read_text().splitlines()) == 43
 
 
-def test_without_a_store_or_a_library_it_says_what_makes_one(job, library, refused, capsys):
-    for folder in (STORE.root, Path("nowhere")):
+def test_without_a_store_or_a_library_it_says_what_makes_one(store, library, refused, capsys):
+    write_plan(PLAN, store.root / "plans")
+    for folder in (store.root, Path("nowhere")):
         text = refused("library", "show", "--artefacts", str(folder))
         assert "no library of the current configuration yet" in text
         assert "`snakemake -j2 gait_library`" in text
-    publish(job, library)
-    assert main(["library", "show"]) == 0
+    with store.temporary("test") as out:
+        shutil.copytree(library, out / "library.zarr")
+        result = store.publish(out, {})
+    store.write_manifest(Manifest("library", LIBRARY.recipe, {}, result))
+    assert main(["library", "show", "--artefacts", str(store.root)]) == 0
     assert "3 of 4 gaits" in capsys.readouterr().out
 
 

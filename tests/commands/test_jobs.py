@@ -4,14 +4,13 @@ from unittest.mock import Mock
 
 import pytest
 
-from slider.artefacts.plan import JobSpec, build_plan, write_plan
-from slider.artefacts.recipe import Code
+from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.runner import Runner
 from slider.cli import main
 from slider.core import files
-from tests.artefacts.samples import compute, damage
+from tests.artefacts.samples import GAITS, compute, damage
 
-JOB = JobSpec("gait", "a gait", Code("slider.none:run", "abc", {}), {"value": 1})
+JOB = GAITS[0]
 
 
 def test_a_recipe_that_does_not_fit_its_job_is_refused(tmp_path, refused):
@@ -29,7 +28,7 @@ def test_a_job_without_memory_is_one_line(tmp_path, monkeypatch, capfd):
     path = write_plan(build_plan({"table1": JOB}), tmp_path)
     assert main(["run", JOB.recipe, "--plan", str(path), "--artefacts", str(tmp_path)]) == 1
     (line,) = capfd.readouterr().err.splitlines()
-    assert line.startswith("slider: a gait: expected more memory, found: none; results and")
+    assert line.startswith("slider: gait 0: expected more memory, found: none; results and")
 
 
 @pytest.mark.parametrize("damaged", [False, True])

@@ -5,7 +5,6 @@ from pathlib import Path
 
 from slider.artefacts.current import add_store_argument, current_folder
 from slider.artefacts.store import Store
-from slider.commands import make_folder
 from slider.core.errors import require
 from slider.library.export import gait_lines, library_lines, write_csv
 from slider.library.reader import MAKE_LIBRARY, STORE, GaitLibrary
@@ -46,7 +45,7 @@ def gait(arguments: argparse.Namespace) -> None:
         return
     out: Path = arguments.out
     require(not out.is_dir(), "--out", "the name of a file", f"the folder {out}")
-    make_folder(out.parent)
+    out.parent.mkdir(parents=True, exist_ok=True)
     write_csv(library, gait, out)
     print(f"{out} is ready")
 

@@ -3,7 +3,6 @@
 import argparse
 import math
 import os
-import socket
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -141,15 +140,8 @@ def check(arguments: argparse.Namespace) -> None:
     require(count in (2, 3), "--gait", "VX VY [YAW_RATE]", f"{count} values")
     require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)
     require(seconds is None or seconds > 0, "--seconds", "a positive number", seconds)
-    if arguments.web:
-        try:
-            socket.getaddrinfo(arguments.host, None, type=socket.SOCK_STREAM)
-        except OSError as error:
-            expected = f"expected an address of this machine, found {arguments.host}"
-            raise UserError(f"--host: {expected}: {error.strerror}") from None
-    if arguments.tiles:
-        require(arguments.film is not None, "--tiles", "--film", "none")
-    check_port(arguments.port, arguments.host if arguments.web else None)
+    require(arguments.film is not None or not arguments.tiles, "--tiles", "--film", "none")
+    check_port(arguments.port, arguments.host)
 
 
 def choose(arguments: argparse.Namespace) -> "Scene":

@@ -8,7 +8,6 @@ from typing import Any
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.run_metadata import last_robot
 from slider.artefacts.store import Store
-from slider.commands import make_folder
 from slider.composition.compose import compose
 from slider.control import EXPORT_FILES, ONNX, POLICY_FILE
 
@@ -43,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     file, origin = _choose(arguments)
     if arguments.action == "export":
         config = compose(last_robot(arguments.artefacts), arguments.conf)
-        make_folder(arguments.out)
+        arguments.out.mkdir(parents=True, exist_ok=True)
         policy = export.write_files(file, origin, arguments.out, config.env.estimator)
         difference = export.compare(policy, arguments.out / ONNX, export.DURATION)
         print("\n".join(str(arguments.out / name) for name in EXPORT_FILES))
@@ -71,11 +70,9 @@ def summary(layout: dict[str, Any]) -> str:
     """Facts of a policy, and tables of its observation, joints and motors."""
     import pandas as pd
 
-    network, joints = layout["network"], layout["joints"]
-    scaled = zip(joints, layout["action"]["scale"], strict=True)
-    terms = [
-        term | {"unit": ", ".join(dict.fromkeys(term["units"]))} for term in layout["observation"]
-    ]
+    network, scales = layout["network"], layout["action"]["scale"]
+    joints = [joint | {"scale": s} for joint, s in zip(layout["joints"], scales, strict=True)]
+    terms = [t | {"unit": ", ".join(dict.fromkeys(t["units"]))} for t in layout["observation"]]
     widths = [sum(term["width"] for term in terms), *network["hidden"], len(joints)]
     tables = [
         pd.DataFrame(
@@ -83,17 +80,12 @@ def summary(layout: dict[str, Any]) -> str:
         ).to_string(index=False, float_format="{:g}".format)
         for title, rows, columns in (
             ("observation", terms, ("start", "width", "scale", "frame", "unit")),
-            (
-                "joint",
-                [joint | {"scale": scale} for joint, scale in scaled],
-                ("default", "scale", "lower", "upper"),
-            ),
+            ("joint", joints, ("default", "scale", "lower", "upper")),
             ("motor", layout["motors"], ("kp", "kd", "torque_limit", "no_load_speed")),
         )
     ]
-    offset, clock = "the nominal pose", "none"
-    if layout["action"]["offset"] != "nominal":
-        offset = "the gait of the reference velocity"
+    nominal, clock = layout["action"]["offset"] == "nominal", "none"
+    offset = "the nominal pose" if nominal else "the gait of the reference velocity"
     if layout["clock"] is not None:
         shortest, longest = layout["clock"]["step_time"]
         mirror = "mirrored in right stance" if layout["clock"]["mirror"] else "not mirrored"

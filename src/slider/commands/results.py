@@ -67,10 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     fill = partial(_filled, arguments.reports, Store(arguments.artefacts))
     outdated = False
     for page in pages:
-        try:
-            text = page.read_text(encoding="utf-8")
-        except OSError as error:
-            raise UserError(f"expected a page at {page}: {error.strerror}") from None
+        text = page.read_text(encoding="utf-8")
         filled = text if arguments.check else MARKED.sub(fill, text)
         for block in MARKED.finditer(filled):
             change = changed_since(block[0])

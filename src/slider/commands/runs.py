@@ -33,11 +33,9 @@ def run(arguments: argparse.Namespace) -> None:
     os.execve(sys.executable, command, os.environ | _SETTINGS)
 
 
-def check_port(port: int, host: str | None) -> None:
-    """Refuse a port that does not exist or, given a host, that something else listens at."""
+def check_port(port: int, host: str) -> None:
+    """Refuse a port that does not exist or is taken, and a host that is not this machine."""
     require(0 <= port < 1 << 16, "--port", "a number from 0 to 65535", port)
-    if host is None or port == 0:
-        return
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         with socket.socket(family) as probe:

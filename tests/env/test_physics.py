@@ -8,14 +8,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
-from tests.env.synthetic import (
-    config,
-    disturbed_physics,
-    make_physics,
-    motor_angles,
-    random_pose,
-    robot_config,
-)
+from tests.env.synthetic import config, disturbed_physics, make_physics, random_pose, robot_config
 
 START = config("experiment=test").env.start
 
@@ -32,7 +25,7 @@ def test_equals_mujoco_stepped_by_itself():
     alone.qpos[:], alone.qvel[:] = physics.qpos[4], physics.qvel[4]
     for targets in random_targets(rng, 15, 6):
         physics.step(targets)
-        alone.ctrl[:] = motor_angles(targets[4])
+        alone.ctrl[:] = Transmission.of(robot_config()).angles(targets[4])
         alone.qacc_warmstart[:] = 0.0  # the rollout keeps no warm start between calls
         for _ in range(4):
             mujoco.mj_step(physics.model, alone)

@@ -11,7 +11,6 @@ from pipeline.stages.gaits import gait_section
 from slider.config.schema import Config
 from slider.gait.formulation import Formulation, NodeSymbols
 from slider.gait.problem import GaitProblem, build
-from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import NODE
 from tests import shared
@@ -43,11 +42,6 @@ def solver(turning: bool = False) -> GaitSolver:
 @shared.shared
 def solved(vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
     return solver(yaw_rate != 0.0).solve(vx, vy, yaw_rate)
-
-
-@cache
-def trajectory(vx: float, vy: float) -> KneeTrajectory:
-    return knee_trajectory(problem(), solved(vx, vy).variables)
 
 
 def nodes(vx: float, vy: float) -> np.ndarray:

@@ -57,10 +57,8 @@ def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_each_cost_is_least_for_its_own_optimum():
-    found = {
-        "paper": solved(*VELOCITY),
-        "transport": solve_with(formulated(cost="transport")).solve(*VELOCITY),
-    }
+    transport = solve_with(formulated(cost="transport")).solve(*VELOCITY)
+    found = {"paper": solved(*VELOCITY), "transport": transport}
     for name, own in found.items():
         assert own.success, name
         value = cost_of(name, own.variables)
@@ -123,10 +121,8 @@ def test_weaker_motors_and_a_lower_voltage_reach_their_bounds():
         torques, speeds = motors(solve.variables)
         return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
 
-    for changed, quantity, bound in (
-        (weak, torque, limit),
-        (formulated(voltage=share), voltage, share),
-    ):
+    low = formulated(voltage=share)
+    for changed, quantity, bound in ((weak, torque, limit), (low, voltage, share)):
         solve = solve_with(changed).solve(*VELOCITY)
         assert solve.success, solve.status
         assert quantity(solved(*VELOCITY)) > 1.02 * bound

@@ -103,12 +103,6 @@ def whole(gait: int) -> WholeMap:
     return WholeMap(landed[..., :STATE], landed[..., STATE:], np.linalg.solve(now, future))
 
 
-def dynamics(model: RootedModel, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M (11, 11) and h (11,) of a state."""
-    mass, bias = model.symbols.dynamics(q, v)
-    return mass.full(), bias.full()[:, 0]
-
-
 @shared.shared
 def placement_folder() -> Path:
     """Object folder of the library's foot placement."""

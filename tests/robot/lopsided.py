@@ -21,9 +21,8 @@ def lopsided() -> RobotConfig:
     links = {"base": replace(robot.links.base, products=(0.0, 0.004, 0.0))}
     for name in ("yaw", "roll", "pitch", "tube", "foot", "upper_foot"):
         link = getattr(robot.links, name)
-        place = np.array(link.com) + moved(rng)
-        products = rng.uniform(-0.2, 0.2, 3) * min(link.inertia)
-        com, products = tuple(place.tolist()), tuple(products.tolist())
+        com = tuple((link.com + moved(rng)).tolist())
+        products = tuple((rng.uniform(-0.2, 0.2, 3) * min(link.inertia)).tolist())
         links[name] = replace(link, com=com, products=products)
     axes = {name: tuple((moved(rng) + [0.0, y, 0.0]).tolist()) for name, y in HIP_Y.items()}
     geometry = replace(robot.geometry, axes=HipAxes(**axes))
@@ -31,9 +30,8 @@ def lopsided() -> RobotConfig:
     drives["slide"] = Drive(torque=600.0, speed=3.0, stall_ratio=2.0, inertia=1.3)
     drives["ankle"] = Drive(torque=15.0, speed=20.0, stall_ratio=2.0, inertia=0.01)
     gains |= {"slide": Gains(kp=6000.0, kd=150.0), "ankle": Gains(kp=50.0, kd=1.0)}
-    links = replace(robot.links, **links)
-    changes = {"geometry": geometry, "links": links, "drives": drives, "gains": gains}
-    return replace(robot, capstan=None, **changes)
+    changes = {"links": replace(robot.links, **links), "drives": drives, "gains": gains}
+    return replace(robot, capstan=None, geometry=geometry, **changes)
 
 
 @cache

@@ -8,9 +8,9 @@ from tests.robot.lopsided import kneed
 
 
 @cache
-def soled(width: float = 0.06, height: float = 0.03) -> RobotConfig:
-    """Unitree's G1 with soles [m]: the ankle's roll that the example holds."""
-    return with_soles(kneed("unitree_g1"), width, height)
+def soled() -> RobotConfig:
+    """Unitree's G1 with soles: the ankle's roll that the example holds."""
+    return with_soles(kneed("unitree_g1"), 0.06, 0.03)
 
 
 def with_soles(robot: RobotConfig, width: float, height: float) -> RobotConfig:
@@ -24,6 +24,5 @@ def with_soles(robot: RobotConfig, width: float, height: float) -> RobotConfig:
     joints["ankle_roll"] = Joint(lower=-0.26, upper=0.26, damping=0.5, armature=0.01)
     of = "hip_yaw" if robot.capstan else "ankle"
     drives, gains = (d | {"ankle_roll": d[of]} for d in (robot.drives, robot.gains))
-    changes = {"joints": joints, "drives": drives, "gains": gains, "provenance": {}}
-    changes["virtual_knee"] = None
-    return replace(robot, geometry=geometry, links=links, **changes)
+    changes = {"joints": joints, "drives": drives, "gains": gains, "links": links}
+    return replace(robot, geometry=geometry, virtual_knee=None, provenance={}, **changes)

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -21,6 +19,7 @@ from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation import gait_walks
 from slider.hzd.gains import FootPlacement
+from tests import shared
 from tests.control.walking import walk
 from tests.env.synthetic import config, disturbance, robot_config
 from tests.hzd.sample import VELOCITIES, folder, library, placement_folder
@@ -61,7 +60,7 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity(seconds, kind
 
 
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:
-    job = Job(Path(mkdtemp()))
+    job = Job(shared.new_folder())
     return gait_walks.walk(controller, physics, config().env, library(), steps, job)["walked"]
 
 

@@ -16,6 +16,7 @@ from tests.env.synthetic import config, disturbance, make_physics, robot_config
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
+from slider.env import warp
 from slider.env.warp import WarpPhysics
 
 N = 6
@@ -188,8 +189,9 @@ def test_a_blow_up_is_found_and_stays_alone(physics):
     physics.check()
 
 
-def test_an_overflow_is_an_error_that_names_the_robots():
-    small = WarpPhysics(robot_config(), config("experiment=test").env.physics, N, rows=12)
+def test_an_overflow_is_an_error_that_names_the_robots(monkeypatch):
+    monkeypatch.setattr(warp, "ROWS", 12)
+    small = WarpPhysics(robot_config(), config("experiment=test").env.physics, N)
     qpos, qvel = stance()
     qpos[[0, 2, 3, 5], 2] += 1.0  # in the air they have no contacts
     place(small, qpos, qvel)

@@ -22,7 +22,7 @@ from slider.core.errors import UserError
 OPTIONAL = ("finetuning=robust",)  # groups that the default configuration does not have
 _NAMES = {
     **{"number": "number", "integer": "integer", "boolean": "true or false"},
-    **{"string": "text", "null": "null"},
+    **{"string": "text", "null": "null", "object": "values by name"},
 }
 _LOWER, _UPPER = ("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")
 _OTHERS = "additionalProperties"
@@ -53,11 +53,6 @@ class Entry(NamedTuple):
     bound: str
     default: str
     meaning: str
-
-
-def kind(hint: Any) -> Kind:
-    """What values of a type may be."""
-    return _kind(_schema(hint))
 
 
 def entries(config: Config, parameters: Mapping[str, Any]) -> list[Entry]:
@@ -195,8 +190,6 @@ def _name(node: dict[str, Any]) -> str:
         return f"one of {', '.join(map(str, node.get('enum') or [node['const']]))}"
     if "properties" in node:
         return f"values of {', '.join(node['properties'])}"
-    if node.get("type") == "object":
-        return "values by name"  # which the configuration chooses
     return _NAMES.get(node.get("type", ""), "value")
 
 
@@ -225,7 +218,10 @@ def _entries(
             name, unit, bound = _kind(parameters.get(path, node))
             turning, _, linear = unit.partition("|")
             unit = (linear or turning if _LINEAR in path.split(".") else turning).strip()
-            yield Entry(path, name, unit, bound, _default(value), text)
+            items = value if isinstance(value, list) else []
+            default = str([to_dict(x) if is_dataclass(x) else x for x in items] or value)
+            default = default if len(default) <= 90 else default[:87] + "…"
+            yield Entry(path, name, unit, bound, default, text)
         return
     own = type(value).__name__  # of a union the type that the value has
     for name, item in (vars(value) if group else value).items():
@@ -238,12 +234,6 @@ def _entries(
             if (found := option.get("properties", {}).get(name) or option.get(_OTHERS))
         )
         yield from _entries(item, child, f"{path}.{name}".lstrip("."), below, parameters)
-
-
-def _default(value: Any) -> str:
-    items = value if isinstance(value, list) else []
-    text = str([to_dict(item) if is_dataclass(item) else item for item in items] or value)
-    return text if len(text) <= 90 else text[:87] + "…"
 
 
 def _first_line(group: Any) -> str:

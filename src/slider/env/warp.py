@@ -9,17 +9,19 @@ its kernels one by one takes. Nothing in a step waits for the device.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from collections.abc import Callable
+from functools import partial, reduce
+from operator import or_
 from typing import Any, cast
 
 import torch
 
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.env.disturbance import Disturbance, DisturbanceModel, build_plant
 from slider.env.randomization import VARIED_FIELDS, Fields, vary
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
-from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
+from slider.robot.mjcf import SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
 try:
@@ -37,15 +39,13 @@ _LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS
 
 
 class WarpPhysics:
-    """Steps ``num_robots`` copies of the robot on flat ground, disturbed as in ``BatchedPhysics``.
+    """Steps ``num_robots`` robots with servos on flat ground, disturbed as in ``BatchedPhysics``.
 
     Evaluation needs contacts and loads of every simulation step and runs on MuJoCo itself. The
     kernels are compiled, which takes half a minute unless Warp's cache has them.
 
     Args:
         device: Warp's and torch's name of it, such as ``cpu`` or ``cuda:0``.
-        rows: of constraints that a robot may have.
-
     Other arguments are those of ``BatchedPhysics``.
 
     Attributes:
@@ -64,10 +64,8 @@ class WarpPhysics:
         num_robots: int,
         device: str = "cpu",
         disturbance: Disturbance | None = None,
-        actuation: Actuation = "position",
-        rows: int = ROWS,
     ) -> None:
-        options = SimulationOptions.of(config, actuation=actuation)
+        options = SimulationOptions.of(config)
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)
@@ -78,7 +76,7 @@ class WarpPhysics:
         with wp.ScopedDevice(self._warp_device):
             self._models = mjw.put_model(self.model, sizes)
             self._models.opt.warn_overflow = 0  # see check
-            self._data = mjw.make_data(self.model, num_robots, nconmax=CONTACTS, njmax=rows)
+            self._data = mjw.make_data(self.model, num_robots, nconmax=CONTACTS, njmax=ROWS)
             control = wp.zeros((config.substeps, num_robots, self.model.nu), dtype=float)
         self._inputs = [control[i] for i in range(config.substeps)]
         self._control = wp.to_torch(control)  # (steps, N, inputs)
@@ -87,21 +85,21 @@ class WarpPhysics:
         self._sensors = wp.to_torch(self._data.sensordata)  # one simulation step older
         self._overflow = wp.to_torch(self._data.overflow)
         self._advance = self._graph(self._simulate)
-        self._derive = self._graph(self._set_constants) if varied else None
+        groups = mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0
+        derive = partial(mjw.set_const, self._models, self._data, groups, restore=False)
+        self._derive = self._graph(derive) if varied else None
         self._overflow.zero_()
         self._index: Any = SensorIndex(self.model)
         for name, columns in vars(self._index).items():  # a list would be copied to the device
             setattr(self._index, name, torch.tensor(columns, device=self.device))
-        motors = Transmission.of(robot)
-        matrix = motors.inverse if actuation == "torque" else motors.matrix
-        self._to_motors = self._tensor(matrix.T)
+        self._to_motors = self._tensor(Transmission.of(robot).matrix.T)
         self._rest = self._tensor(nominal_qpos(robot))
         self._diverged = torch.zeros(num_robots, dtype=torch.bool, device=self.device)
         self._disturber: Any = None  # its arrays are tensors
         if disturbance is not None:
             write = self.set_fields if varied else None
             self._disturber = DisturbanceModel(
-                disturbance, robot, self.model, actuation, num_robots, write, self.qpos
+                disturbance, robot, self.model, "position", num_robots, write, self.qpos
             )
         self._place_at_rest(torch.ones_like(self._diverged))
 
@@ -111,10 +109,6 @@ class WarpPhysics:
         for inputs in self._inputs:
             wp.copy(self._data.ctrl, cast(wp.array, inputs))
             mjw.step(self._models, self._data)
-
-    def _set_constants(self) -> None:
-        groups = mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0
-        mjw.set_const(self._models, self._data, groups, restore=False)
 
     def _graph(self, work: Callable[[], None]) -> "wp.Graph":
         with wp.ScopedDevice(self._warp_device):
@@ -183,18 +177,13 @@ class WarpPhysics:
         Raises:
             UserError: contacts or constraints of some robots were lost.
         """
-        bits = (self._overflow & ~int(_LIMITS)).cpu()
+        bits = (self._overflow & ~int(_LIMITS)).cpu().tolist()
         self._overflow.zero_()
-        robots = torch.nonzero(bits).flatten().tolist()
-        if robots:
-            kinds = mjw.OverflowType(0)
-            for robot in robots:
-                kinds |= mjw.OverflowType(int(bits[robot]))
-            named = ", ".join(map(str, robots[:8])) + (", …" if len(robots) > 8 else "")
-            raise UserError(
-                f"MuJoCo Warp: expected no overflow, found {kinds.name} of {len(robots)} of"
-                f" {len(bits)} robots: {named}"
-            )
+        robots = [robot for robot, kinds in enumerate(bits) if kinds]
+        kinds = mjw.OverflowType(reduce(or_, bits))
+        names = ", ".join(map(str, robots[:8])) + ", …" * (len(robots) > 8)
+        found = f"{kinds.name} of {len(robots)} of {len(bits)} robots: {names}"
+        require(not robots, "MuJoCo Warp", "no overflow", found)
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""

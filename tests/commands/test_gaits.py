@@ -25,6 +25,7 @@ def test_the_overview_has_grid_holes_ranges_and_the_worst_residual(library, caps
     assert main(["library", "show", "--library", str(library)]) == 0
     text = capsys.readouterr().out
     assert "3 of 4 gaits converged" in text
+    assert re.search(r"^  vx +0(\.\d+)? +0\.\d+ +0\.6  m/s$", text, re.M)
     hole = "hole (0.6, 0) m/s: Infeasible_Problem_Detected; torso 0.3, at most 0 (3.0e-01 beyond); "
     assert f"{hole}impact" in text
     assert "worst residual: impact 1.0e-09" in text

@@ -60,7 +60,7 @@ def test_a_file_is_enough_for_table_1_and_changes_no_other_recipe(conf):
         ("policy", "higher", "control.policy: expected another name than policy, zero, random, "),
         ("higher", "MPC + WBC, tuned", "another label than that of higher "),
         ("higher", '"two\\nlines"', r"higher.label: expected one line of text, found 'two\nlines'"),
-        ("Mine", "higher", "/control/Mine.yaml: expected small "),
+        ("Mine", "higher", "control: expected names of small letters"),
     ],
 )
 def test_a_mistake_in_a_file_is_one_line(conf, name, label, message):

@@ -26,7 +26,6 @@ from slider.composition.robot_file import malformed, store_robot, without_absent
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
 from slider.config.schema import Config
-from slider.config.types import NAME
 from slider.config.validation import validate
 from slider.core.errors import UserError
 from slider.core.files import flatten
@@ -184,12 +183,8 @@ def _check_groups(overrides: Sequence[str]) -> None:
 
 def _store_all(conf: Path, group: str, folder: str) -> None:
     """Write the option ``GROUP=all``: each file of ``conf/FOLDER`` under its own name."""
-    names = _stems(conf / folder)
-    for name in names:
-        if not NAME.fullmatch(name) or name == "all":
-            expected = "small letters, digits and _ after a letter, and not all"
-            raise UserError(f"{conf / folder}/{name}.yaml: expected {expected}, found {name}")
-    defaults = [{f"/{folder}@{name}": name} for name in names if name not in _CHOICES]
+    names = [name for name in _stems(conf / folder) if name not in _CHOICES]
+    defaults = [{f"/{folder}@{name}": name} for name in names]
     ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
 
 

@@ -53,7 +53,7 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
 
 
 def library_lines(library: GaitLibrary) -> list[str]:
-    """Grid, convergence, holes with what they violate, ranges, worst residual, smoothness."""
+    """Convergence, holes with what they violate, ranges, worst residual, smoothness."""
     mesh, arrays = library.mesh, library.arrays
     torque, voltage = measures.motor_shares(library)
     clearances = [100 * measures.clearance(library, i) for i in range(len(library))]
@@ -62,13 +62,13 @@ def library_lines(library: GaitLibrary) -> list[str]:
     slide_unit = channel_units(geometry)[names.index("left_slide.velocity")]
     lines = [
         f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
-        f"  vx {_axis(mesh.vx)} m/s",
-        f"  vy {_axis(mesh.vy)} m/s",
-        *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
         *(f"  hole {velocity_text(hole.velocity)}: {hole.reason}" for hole in library.holes),
         f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}",
     ]
     for name, values, unit in (
+        ("vx", mesh.vx, "m/s"),
+        ("vy", mesh.vy, "m/s"),
+        ("yaw rate", mesh.yaw_rate, "rad/s"),
         ("step time", arrays["step_time"], "s"),
         ("cost", arrays["cost"], library.cost_unit),
         ("iterations", arrays["iterations"], ""),
@@ -92,23 +92,6 @@ def library_lines(library: GaitLibrary) -> list[str]:
     return [*lines, f"  smoothness: greatest jump {jump}, between {first} and {second}"]
 
 
-def _axis(values: np.ndarray) -> str:
-    """Runs of equal steps: ``0 … 1.2 every 0.05, 1.3 … 3 every 0.1``."""
-    if len(values) == 1:
-        return f"{values[0]:g}"
-    texts, start = [], 0
-    steps = np.round(np.diff(values), 9)
-    while start < len(values):
-        stop = start
-        while stop < len(steps) and steps[stop] == steps[start]:
-            stop += 1
-        run = values[start : stop + 1]
-        if len(run) < 3:
-            texts += [f"{value:g}" for value in run]
-        else:
-            texts.append(f"{run[0]:g} … {run[-1]:g} every {run[1] - run[0]:.4g}")
-        start = stop + 1
-    return ", ".join(texts)
 
 
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:

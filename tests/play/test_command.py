@@ -1,13 +1,10 @@
 """``slider play`` answers what it cannot do in one line, and leaves nothing behind."""
 
 import sys
-from argparse import ArgumentParser
 
 import pytest
 
-from slider.artefacts.run_metadata import note_start
 from slider.cli import main
-from slider.commands.play import add_arguments, choose
 from tests.config.composed import CONF
 
 
@@ -64,17 +61,3 @@ def test_a_fall_is_status_1_and_leaves_no_log(tmp_path, monkeypatch, capsys):
     assert main(["play", "random", *options]) == 1
     assert "agent random: fell after" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("arguments", "name"), [([], "mine"), (["--set", "robot=slider"], "slider")]
-)
-def test_the_robot_is_that_of_the_last_pipeline_run(arguments, name, tmp_path):
-    note_start(tmp_path, [f"robot={tmp_path}/a robot.yaml", "robot.links.base.mass=3.0"])
-    (tmp_path / "a robot.yaml").write_text("defaults: [slider, _self_]\nname: mine\n")
-    parser = ArgumentParser()
-    add_arguments(parser)
-    folders = ["--conf", str(CONF), "--artefacts", str(tmp_path)]
-    scene = choose(parser.parse_args(["zero", *folders, *arguments]))
-    assert scene.robot.name == name
-    assert scene.robot.links.base.mass == (3.0 if name == "mine" else 2.25)

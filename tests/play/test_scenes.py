@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.artefacts.run_metadata import note_start
 from slider.commands.play import add_arguments, choose
 from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
@@ -46,6 +47,16 @@ def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeyp
     scene("--policy", str(tmp_path / "policy.pt"), "--set", override)
     terms = {**policy.env.termination.terms, "base_height": 0.3}
     assert environments == [replace(policy.env, termination=TerminationConfig(terms))]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"), [([], "mine"), (["--set", "robot=slider"], "slider")]
+)
+def test_the_robot_is_that_of_the_last_pipeline_run(arguments, name, tmp_path):
+    note_start(tmp_path, [f"robot={tmp_path}/a robot.yaml", "robot.links.base.mass=3.0"])
+    (tmp_path / "a robot.yaml").write_text("defaults: [slider, _self_]\nname: mine\n")
+    robot = scene("zero", "--artefacts", str(tmp_path), *arguments).robot
+    assert (robot.name, robot.links.base.mass) == (name, 3.0 if name == "mine" else 2.25)
 
 
 def library(*velocities: tuple[float, float, float]) -> GaitLibrary:

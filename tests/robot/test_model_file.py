@@ -198,6 +198,8 @@ def test_a_leg_of_any_axes_bent_by_an_angle_is_that_of_the_file(bend, tmp_path):
 
 
 AT = 'range="-1.5 1.5" armature="0.01" actuatorfrcrange="-40 40"'
+ROLL = '<body pos="0.02 0 -0.03"><inertial pos="0 0 0" mass="1" diaginertia="1e-3 1e-3 1e-3"/>'
+PITCH = '<body><inertial pos="0 0 -0.15" mass="2" diaginertia="1e-2 1e-2 2e-3"/>'
 ANKLE = ('ankle" axis="0 1 0"', 'ankle_roll" axis="1 0 0" pos="0.01 0 0"')  # [m]
 
 
@@ -206,10 +208,8 @@ def rolling(folder: Path, *changes: tuple[str, str]) -> Path:
     legs = "".join(
         f"""<body pos="0 {y} -0.05"><inertial pos="0.01 0 -0.02" mass="1.2"
         fullinertia="3e-3 2e-3 2e-3 0 2e-4 0"/><joint name="{side}_hip_yaw" axis="0 0 1" {AT}/>
-        <body pos="0.02 0 -0.03"><inertial pos="0 0 0.01" mass="1" diaginertia="1e-3 1e-3 1e-3"/>
-        <joint name="{side}_hip_roll" axis="1 0 0" {AT}/>
-        <body><inertial pos="0 0 -0.15" mass="2" diaginertia="1e-2 1e-2 2e-3"/>
-        <joint name="{side}_hip_pitch" axis="0 1 0" {AT}/>
+        {ROLL}<joint name="{side}_hip_roll" axis="1 0 0" {AT}/>
+        {PITCH}<joint name="{side}_hip_pitch" axis="0 1 0" {AT}/>
         <body pos="0 0 -0.3"><inertial pos="0.01 0 -0.1" mass="1.5" diaginertia="8e-3 8e-3 1e-3"/>
         <joint name="{side}_slide" axis="0 1 0" {AT}/>
         <body pos="0 0 -0.3"><inertial pos="-0.01 0 0.01" mass="0.1"
@@ -485,29 +485,18 @@ def test_the_base_may_have_its_frame_at_the_ground_or_look_elsewhere(tmp_path):
         read_model(path, NO_YAW | {"base": "footprint", "forward": "y"})
 
 
-def test_hinges_on_one_body_leave_light_links(tmp_path):
+def test_hinges_on_one_body_leave_light_links_and_our_slide_grows_downwards(tmp_path):
     """As many MJCF files have them: one body for the hip."""
-    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-    legs = "".join(
-        f"""<body pos="0 {y} 0">{inertial}
-        <joint name="{side}_hip_yaw" axis="0 0 1" range="-1 1"/>
-        <joint name="{side}_hip_roll" axis="1 0 0" range="-1 1"/>
-        <joint name="{side}_hip_pitch" axis="0 1 0" range="-1 1"/>
-        <body>{inertial}<joint name="{side}_slide" type="slide" axis="0 0 1" range="-0.2 0.1"/>
-        <body pos="0 0 -0.6">{inertial}<joint name="{side}_ankle" axis="0 -1 0" range="-1 1"/>
-        </body></body></body>"""
-        for side, y in (("left", 0.1), ("right", -0.1))
-    )
-    path = tmp_path / "robot.xml"
-    base = f'<body name="base">{inertial}<freejoint/>{legs}</body>'
-    xml = f'<mujoco><worldbody>{base}</worldbody><compiler angle="radian"/></mujoco>'
-    path.write_text(xml, encoding="utf-8")
-    found = read_model(path, ROLES | {"joints": ROLES["joints"] | {"upper_foot": None}})
+    slide = 'slide" type="slide" axis="0 0 1" range="-0.2 0.1"'
+    bodies = [(text, "") for text in (ROLL, PITCH)] + [(6 * "</body>", 4 * "</body>")]
+    rolling(tmp_path, *bodies, (f'slide" axis="0 1 0" {AT}', slide))
+    joints = rolls(ROLES["joints"])
+    found = read_model(tmp_path / XML, {"base": "base", "joints": joints})
     masses = [found.values["links"][name]["mass"] for name in ("yaw", "roll", "pitch")]
-    assert masses == [0.001, 0.001, 1]
+    assert masses == [0.001, 0.001, 1.2]
     assert found.differs[0] < 1e-9
     slide = found.values["joints"]["slide"]
-    assert (slide["lower"], slide["upper"]) == (-0.1, 0.2)  # our slide grows downwards
+    assert (slide["lower"], slide["upper"]) == (-0.1, 0.2)
 
 
 def test_a_robot_on_slider_may_have_a_motor_per_joint(folder):

@@ -23,14 +23,10 @@ def parameters(robot: RobotConfig) -> list[Parameter]:
     values = to_dict(robot)
     tags = values.pop("provenance")
     no_sizes = "order", "direction"
-    numbers = (
-        (path, value)
-        for path, value in flatten(values).items()
-        if isinstance(value, float | tuple) and not path.endswith(no_sizes)
-    )
     return [
         Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))
-        for path, value in numbers
+        for path, value in flatten(values).items()
+        if isinstance(value, float | tuple) and not path.endswith(no_sizes)
     ]
 
 

@@ -92,8 +92,6 @@ def library_lines(library: GaitLibrary) -> list[str]:
     return [*lines, f"  smoothness: greatest jump {jump}, between {first} and {second}"]
 
 
-
-
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
     arrays = {name: library.arrays[name][gait] for name in ARRAYS}

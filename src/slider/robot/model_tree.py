@@ -105,7 +105,11 @@ class ModelTree:
         self.order, other = (self._hip_order(side) for side in range(2))
         text = f"one order of both hips ({', '.join(self.order)})"
         require(self.order == other, "robot.roles.joints", text, ", ".join(other))
-        self._zero, self.solved = self._pose(roles.pose), dict[str, float]()
+        self._zero, self.solved = np.zeros(model.njnt), dict[str, float]()
+        for name, value in roles.pose.items():
+            self._zero[_index(model, "joint", name, "robot.roles.pose")] = value
+        moves = np.isin(model.jnt_type, _MOVES)
+        self._data.qpos[model.jnt_qposadr[moves]] = self._zero[moves]
         along, across = np.cos(_TURNS[roles.forward]), np.sin(_TURNS[roles.forward])
         forward = np.array([[along, -across, 0.0], [across, along, 0.0], [0.0, 0.0, 1.0]])
         legs = []
@@ -131,16 +135,6 @@ class ModelTree:
             self.remarks.append(f"ignored frictionloss of {names}")
         if ignored := self._check_constraints():
             self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
-
-    def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
-        """Positions (njnt,) that count as zero."""
-        model, zero = self._model, np.zeros(self._model.njnt)
-        for name, value in pose.items():
-            zero[_index(model, "joint", name, "robot.roles.pose")] = value
-        for index in range(model.njnt):
-            if model.jnt_type[index] in _MOVES:
-                self._data.qpos[model.jnt_qposadr[index]] = zero[index]
-        return zero
 
     def _raise_origin(self) -> None:
         """Move the base's origin up to the pitch axes where the model has it below mid-leg."""

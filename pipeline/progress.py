@@ -5,7 +5,7 @@ import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -26,27 +26,20 @@ def _print(line: str) -> None:
 class Progress:
     """The lines of one run, of some recipes of a plan; Snakemake tells when jobs begin and end."""
 
-    def __init__(
-        self,
-        plan: Plan,
-        store: Store,
-        recipes: Iterable[str],
-        cores: int,
-        write: Callable[[str], None] = _print,
-    ) -> None:
+    def __init__(self, plan: Plan, store: Store, recipes: Iterable[str], cores: int) -> None:
         needed = set(recipes)
         self._jobs = {recipe: job for recipe, job in plan.jobs.items() if recipe in needed}
         rates = latest_rates(store, sorted({job.stage for job in self._jobs.values()}))
         self._seconds = {recipe: expected(job, rates) for recipe, job in self._jobs.items()}
         self._running: dict[str, float] = {}  # recipe → when it began [s]
         self._ended: dict[str, float] = {}
-        self._plan, self._store, self._cores, self._write = plan, store, cores, write
+        self._plan, self._store, self._cores = plan, store, cores
         self._start = self._written = time.time()
         self._lock, self._closed = threading.Lock(), threading.Event()
 
     def open(self) -> None:
         """Write how much there is to do, and watch long jobs from now on."""
-        self._write(f"{len(self._jobs)} jobs, about {duration(self.left())} on {self._cores} cores")
+        _print(f"{len(self._jobs)} jobs, about {duration(self.left())} on {self._cores} cores")
         threading.Thread(target=self._watch, daemon=True).start()
 
     def close(self, succeeded: bool = False) -> None:
@@ -56,10 +49,10 @@ class Progress:
         if succeeded and job is not None and job.recipe in self._ended:
             items = [(item.stage, item.recipe) for item in job.inputs["evaluations"]]
             summaries = [self._store.read_manifest(*item).result.summary for item in items]
-            self._write(table(job.section["labels"], summaries))
+            _print(table(job.section["labels"], summaries))
             took = duration(self._ended[job.recipe] - self._start)
             more = "reports/table1.md has intervals and the paper's rows"
-            self._write(f"Table 1 took {took}: {more}")
+            _print(f"Table 1 took {took}: {more}")
 
     def began(self, recipe: str) -> None:
         """A job started."""
@@ -89,7 +82,7 @@ class Progress:
         after = sum(self._rests())
         left = f"  about {duration(self.left())} left" if done < total else ""
         count = f"{done:>{len(str(total))}}/{total}"
-        self._write(f"[{count}  {100 * before / (before + after):3.0f} %{left}] {text}")
+        _print(f"[{count}  {100 * before / (before + after):3.0f} %{left}] {text}")
 
     def left(self) -> float:
         """Wall time until the last job ends [s], if all cores are busy until then."""

@@ -222,7 +222,7 @@ def test_a_robot_of_the_menagerie_by_name(described, tmp_path, capsys):
     ("name", "module", "message"),
     [
         ("h1", "raise RuntimeError('Could not\\nresolve host')", "clone, found: Could not resolve"),
-        ("g1", "", "menagerie:g1: expected the package robot_descriptions (pip install -e"),
+        ("g1", "", "menagerie:g1: expected a model that robot_descriptions (pip install -e"),
         ("unitree_h1", "", "menagerie:unitree_h1: expected adam_lite or booster_t1 or g1 or h1 or"),
     ],
 )

@@ -31,7 +31,8 @@ def run(tmp_path, monkeypatch):
     lines: list[str] = []
     now = [1000.0]
     monkeypatch.setattr(progress.time, "time", lambda: now[0])
-    return Progress(plan, store, plan.jobs, 2, lines.append), jobs, lines, now
+    monkeypatch.setattr(progress, "_print", lines.append)
+    return Progress(plan, store, plan.jobs, 2), jobs, lines, now
 
 
 def finish(

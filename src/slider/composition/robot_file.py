@@ -133,12 +133,9 @@ def _described(name: str) -> Path:
     try:
         with redirect_stdout(sys.stderr):
             return Path(import_module(f"robot_descriptions.{name}_mj_description").MJCF_PATH)
-    except ImportError as error:
-        expected = "the package robot_descriptions (pip install -e '.[menagerie]')"
-        raise UserError(f"menagerie:{name}: expected {expected}, found: {error}") from None
-    except Exception as error:  # of git, of the network, of the disk
+    except Exception as error:  # of git, of the network, of the disk, or there is no package
         found = " ".join(str(error).split())
-        expected = "a model that robot_descriptions has, or can clone"
+        expected = "a model that robot_descriptions (pip install -e '.[menagerie]') can clone"
         raise UserError(f"menagerie:{name}: expected {expected}, found: {found}") from None
 
 

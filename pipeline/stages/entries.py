@@ -15,7 +15,7 @@ from slider.reports.figures import FILES as FIGURES
 
 @dataclass(frozen=True)
 class Stage:
-    """Function of a stage, ``module:function`` of slider; files of its target in ``reports/``."""
+    """Function of a stage, ``module:function``; what people read of its target, in ``reports/``."""
 
     entry: str
     files: tuple[str, ...] = ()
@@ -32,40 +32,46 @@ def compared(name: str) -> tuple[str, ...]:
 
 
 STAGES = {
-    "gait": Stage("gait.stage:run"),
-    "gait_start": Stage("gait.study:run"),
-    "library": Stage("library.stage:run"),
-    "standing": Stage("training.trainer:run_standing"),
-    "walking": Stage("training.trainer:run_walking"),
-    "evaluation": Stage("evaluation.stage:run"),
-    "baseline": Stage("evaluation.stage:run"),
-    "gauge_axis": Stage("evaluation.gauge:run"),
-    "gauge": Stage("reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
-    "drake_audit": Stage("evaluation.drake:run_audit"),
-    "drake_evaluation": Stage("evaluation.drake:run"),
-    "second_engine": Stage("reports.second_engine:run", tables("second_engine")),
-    "tuning": Stage("evaluation.tuning:run"),
-    "baseline_tuning": Stage("reports.tuning:run", tables("baseline_tuning")),
+    "gait": Stage("slider.gait.stage:run"),
+    "gait_start": Stage("slider.gait.study:run"),
+    "library": Stage("slider.library.stage:run"),
+    "standing": Stage("slider.training.trainer:run_standing"),
+    "walking": Stage("slider.training.trainer:run_walking"),
+    "evaluation": Stage("slider.evaluation.stage:run"),
+    "baseline": Stage("slider.evaluation.stage:run"),
+    "gauge_axis": Stage("slider.evaluation.gauge:run"),
+    "gauge": Stage("slider.reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
+    "drake_audit": Stage("slider.evaluation.drake:run_audit"),
+    "drake_evaluation": Stage("slider.evaluation.drake:run"),
+    "second_engine": Stage("slider.reports.second_engine:run", tables("second_engine")),
+    "tuning": Stage("slider.evaluation.tuning:run"),
+    "baseline_tuning": Stage("slider.reports.tuning:run", tables("baseline_tuning")),
     "table1": Stage(
-        "reports.table1:run",
+        "slider.reports.table1:run",
         (*tables("table1"), *tables("gait_quality"), "table1.tex", "figures/tradeoff.svg"),
     ),
-    "velocity_tracking": Stage("reports.protocols:run_tracking", compared("velocity_tracking")),
-    "speeds": Stage("reports.protocols:run"),
-    "segments": Stage("reports.protocols:run"),
-    "cases": Stage("reports.protocols:run"),
-    "verification_gaits": Stage("verification.stage:run_gaits"),
-    "verification": Stage("verification.stage:run", tables("verification")),
-    "stability_gaits": Stage("hzd.stage:run_gaits"),
-    "foot_placement": Stage("hzd.stage:collect_placement"),
-    "stability": Stage("hzd.stability:run", tables("stability")),
-    "gait_walks": Stage("evaluation.gait_walks:run", tables("gait_walks")),
-    "figures": Stage("reports.figures.stage:run", tuple(f"figures/{name}" for name in FIGURES)),
-    "policy_export": Stage("control.export:run", tuple(f"policy/{name}" for name in EXPORT_FILES)),
-    "policy_import": Stage("control.exported:run"),
-    "study": Stage("reports.study:run"),
-    "video": Stage("reports.video:run"),
-    "report": Stage("reports.page:run", ("index.html",)),
+    "velocity_tracking": Stage(
+        "slider.reports.protocols:run_tracking", compared("velocity_tracking")
+    ),
+    "speeds": Stage("slider.reports.protocols:run"),
+    "segments": Stage("slider.reports.protocols:run"),
+    "cases": Stage("slider.reports.protocols:run"),
+    "verification_gaits": Stage("slider.verification.stage:run_gaits"),
+    "verification": Stage("slider.verification.stage:run", tables("verification")),
+    "stability_gaits": Stage("slider.hzd.stage:run_gaits"),
+    "foot_placement": Stage("slider.hzd.stage:collect_placement"),
+    "stability": Stage("slider.hzd.stability:run", tables("stability")),
+    "gait_walks": Stage("slider.evaluation.gait_walks:run", tables("gait_walks")),
+    "figures": Stage(
+        "slider.reports.figures.stage:run", tuple(f"figures/{name}" for name in FIGURES)
+    ),
+    "policy_export": Stage(
+        "slider.control.export:run", tuple(f"policy/{name}" for name in EXPORT_FILES)
+    ),
+    "policy_import": Stage("slider.control.exported:run"),
+    "study": Stage("slider.reports.study:run"),
+    "video": Stage("slider.reports.video:run"),
+    "report": Stage("slider.reports.page:run", ("index.html",)),
 }
 """By their names, each of which is a rule."""
 
@@ -78,8 +84,7 @@ def job(
     tracked: bool = True,
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
-    code = code_of(f"slider.{STAGES[stage].entry}")
-    return JobSpec(stage, label, code, section, inputs or {}, tracked)
+    return JobSpec(stage, label, code_of(STAGES[stage].entry), section, inputs or {}, tracked)
 
 
 def only(values: dict[str, Any], *names: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from PIL import Image
@@ -129,8 +129,8 @@ def _facts(tile: Tile, frames: list[Frame]) -> list[list[str]]:
 
 def _write(pictures: Sequence[Image.Image], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    options = {"duration": 1000 // _FRAME_RATE, "loop": 0, "quality": _QUALITY, "method": 4}
-    pictures[0].save(path, save_all=True, append_images=pictures[1:], **options)
+    options: dict[str, Any] = {"duration": 1000 // _FRAME_RATE, "quality": _QUALITY, "method": 4}
+    pictures[0].save(path, save_all=True, append_images=pictures[1:], loop=0, **options)
 
 
 def repeats_at(frames: list[Frame]) -> int:

@@ -141,7 +141,8 @@ def check(arguments: argparse.Namespace) -> None:
     require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)
     require(seconds is None or seconds > 0, "--seconds", "a positive number", seconds)
     require(arguments.film is not None or not arguments.tiles, "--tiles", "--film", "none")
-    check_port(arguments.port, arguments.host)
+    if arguments.web:
+        check_port(arguments.port, arguments.host)
 
 
 def choose(arguments: argparse.Namespace) -> "Scene":

@@ -70,7 +70,7 @@ def test_table_1_needs_no_extra():
     """`make table1` installs none."""
     jobs = build_plan(table1_jobs(composed())).jobs.values()
     stages = {job.stage for job in jobs}
-    modules = [f"slider.{STAGES[stage].entry}".partition(":")[0] for stage in stages]
+    modules = [STAGES[stage].entry.partition(":")[0] for stage in stages]
     used = imported("pipeline").union(*(closure(m, ROOT / "src")[1] for m in modules))
     assert {"torch", "casadi", "snakemake"} <= used
     assert {name for name in used if not providers(name) & names(REQUIRED)} == set()

@@ -221,7 +221,7 @@ def with_dummies(workspace: Workspace) -> Workspace:
     stages = {STAGES[stage].entry: stage for stage in sorted(STAGES, key=BODIES.__contains__)}
     for entry, stage in stages.items():
         module, _, function = entry.partition(":")
-        path = workspace.folder / f"src/slider/{module.replace('.', '/')}.py"
+        path = workspace.folder / f"src/{module.replace('.', '/')}.py"
         text = f"def {function}(section, inputs, out, job):{BODIES.get(stage, OTHER_BODY)}\n\n"
         modules[path] = modules.get(path, "") + text
     for path, text in modules.items():

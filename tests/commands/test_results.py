@@ -104,12 +104,15 @@ seed,speed,success_rate,tracking_rate,mse_steady
 def test_the_summary_has_lower_rates_and_the_papers_error():
     ours = "policy,ours,measured,0.2,0.996,0.9,0.00271,0.01\nhzd,HZD,measured,0.2,1,1,0.5,1\n"
     printed = "guided_drl,guided RL (paper),paper,0.2,0.731,,,0.0317\n"
+    printed += "guided_drl,guided RL (paper),paper,0.4,1,,,0.0222\n"  # which ours was not at
     Path("reports/table1.csv").write_text(HEAD + ours + printed)
     shown = filled("summary")[6:9]
     heading = "| Velocity MSE after the warm-up [m²/s²] |"
-    assert shown[0] == f"{heading} ours | **0.00271** (99.6 % survive, 90 % track) |"
-    assert shown[1] == "|  | HZD | 0.500 |"
-    assert shown[2] == "|  | guided RL (paper) | 0.0317 (73.1 % survive) |", "it prints no tracking"
+    assert shown[0] == f"{heading} ours | **0.00271** (99.6 % survive, 90 % track) | – |"
+    assert shown[1] == "|  | HZD | 0.500 | – |"
+    assert shown[2] == "|  | guided RL (paper) | 0.0317 (73.1 % survive) | 0.0222 |", (
+        "it prints no tracking"
+    )
 
 
 def test_the_overview_has_median_and_range_of_the_trainings(capsys):

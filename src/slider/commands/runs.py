@@ -41,6 +41,8 @@ def check_port(port: int, host: str) -> None:
         with socket.socket(family) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind(address)
+    except socket.gaierror as error:
+        raise UserError(f"--host: expected an address, found {host}: {error.strerror}") from None
     except OSError as error:
         raise UserError(
             f"--port: expected a free port at {host}, found {port}: {error.strerror}"

@@ -36,8 +36,8 @@ def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[
     try:
         spec = _read(path, content)
         meshes = prepare_feet(spec, set(roles.joints.get("ankle") or ()), path.parent)
-        told = _strip(spec, urdf, roles, meshes)
         try:
+            told = _strip(spec, urdf, roles, meshes)
             model = spec.compile()
         except ValueError:
             if not meshes:

@@ -146,11 +146,19 @@ def titles(config: Config, controllers: Iterable[str]) -> dict[str, Any]:
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
-    """Names of controllers in tables and figures."""
+    """Names of controllers in tables and figures.
+
+    Raises:
+        UserError: two of them have the same one.
+    """
     texts = {POLICY: POLICY_LABEL} | {name: c.label for name, c in config.control.items()}
     texts |= {name: name for name in config.gauge.policies}
     texts |= {f"{name}{ONBOARD}": f"{text}, onboard state" for name, text in texts.items()}
-    return {name: texts[name] for name in controllers}
+    chosen = {name: texts[name] for name in controllers}
+    for name, text in chosen.items():
+        mine = [other for other in chosen if chosen[other] == text]
+        require(mine == [name], f"control.{base_of(name)}.label", "a label of its own", text)
+    return chosen
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:

@@ -131,6 +131,17 @@ def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
     assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}
 
 
+def test_other_robots_have_gaits_a_training_and_evaluations_of_their_own(monkeypatch):
+    monkeypatch.chdir(CONF.parent)  # their files are named from there
+    job = study("robots", experiment="experiment=smoke")
+    evaluations = keyed(job, "evaluations")
+    names = {v: made.section["robot"]["name"] for (v, *_), made in evaluations.items()}
+    shown = {"slider_2_0": "SLIDER 2.0", "bruce": "BRUCE", "unitree_h1": "Unitree H1"}
+    assert names == shown | {"unitree_g1_sole": "Unitree G1 with soles"}
+    assert {key[0] for key in keyed(job, "gaits")} == names.keys()
+    assert samples(job) == [1843200] * len(names)
+
+
 def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     own = "+study.mine=${study.gait_convergence}"

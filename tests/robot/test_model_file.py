@@ -120,6 +120,20 @@ def test_a_sole_that_is_not_level_is_told(tmp_path):
     assert found.values["geometry"].keys().isdisjoint(["ankle_height", "toe", "heel"])
 
 
+@pytest.mark.parametrize(
+    ("x", "roles", "message"),
+    [
+        (0.03, {"forward": "-x"}, "(the base looks along −x: roles.forward: -x)"),
+        (0.03, {"joints": {k: [*reversed(v)] for k, v in ROLES["joints"].items()}}, "are swapped)"),
+    ],
+)
+def test_a_base_that_looks_backwards_is_told_from_legs_that_are_swapped(
+    x, roles, message, tmp_path
+):
+    with pytest.raises(UserError, match=re.escape(message)):
+        read_model(footed(tmp_path, x, 0.0), ROLES | roles)
+
+
 def printed(folder: Path, text: str, capsys) -> str:
     """What ``slider robot`` says of a folder with this ``robot.yaml``."""
     (folder / "robot.yaml").write_text(text, encoding="utf-8")
@@ -677,7 +691,7 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "base: base", "base: world", "roles.base: expected the body of the base, found wo"),
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
-        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or r", id="swapped"),
+        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or the b", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         (YAML, "base: base,", "base: base, sides: left,", "unknown configuration key"),

@@ -8,7 +8,7 @@ import ast
 import hashlib
 import importlib.util
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
@@ -25,6 +25,7 @@ DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
 """Endings of data files, which a source digest covers where they lie beside its modules."""
 Groups = Mapping[str, Sequence[str]]
 """Name of an input → digests, in order."""
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -106,7 +107,7 @@ def read_module(name: str, root: Path) -> Module | None:
     parent = name.rpartition(".")[0]
     package = name if path.name == "__init__.py" else parent
     imports = {parent} - {""}  # importing a.b.c runs the __init__ files of a and a.b
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             imports |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -117,6 +118,16 @@ def read_module(name: str, root: Path) -> Module | None:
             node.body = [item for item in node.body if not _is_text(item)]
     digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
     return Module(digest, sorted(imports), _data(path.parent, root))
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """The module and all its statements. Expressions, most of a tree, hold none."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        for block in _BLOCKS:
+            waiting += getattr(node, block, ())
+        yield node
 
 
 def _is_text(node: ast.stmt) -> bool:

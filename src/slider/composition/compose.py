@@ -27,7 +27,7 @@ from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
 from slider.config.schema import Config
 from slider.config.validation import validate
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
 _MOST_STEPS = 1000  # of a list from start to stop
@@ -184,6 +184,9 @@ def _check_groups(overrides: Sequence[str]) -> None:
 def _store_all(conf: Path, group: str, folder: str) -> None:
     """Write the option ``GROUP=all``: each file of ``conf/FOLDER`` under its own name."""
     names = [name for name in _stems(conf / folder) if name not in _CHOICES]
+    for name in names:
+        key, fits = f"{conf / folder}/{name}.yaml", name != "all" and "." not in name
+        require(fits, key, "small letters, digits and _ after a letter, and not all", name)
     defaults = [{f"/{folder}@{name}": name} for name in names]
     ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
 

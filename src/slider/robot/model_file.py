@@ -28,7 +28,7 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_LEVEL = 0.04  # of a sole [rad]
+_AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
 APART = 5e-3  # of a foot's middle from its line, or from the axis of the roll [m]
 
 
@@ -81,11 +81,12 @@ def read_model(
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
-    found = f"its ankle at y = {lateral:.3f} m (left and right are swapped, or roles.forward is -x)"
-    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
+    _check_side(lateral, leg["ankle_roll" if tree.has_sole else "ankle"], foot)
     if not shape and roles.foot_y is None and not tree.has_sole:
-        text = f"its line is at the ankle's anchor, y = {lateral:.3f} m; roles.foot_y types it"
-        tree.remarks.append(f"no geometry of a foot that can be read: {text}")
+        other = (left if leg is right else right)["ankle"].place[1]
+        text = f"its line is at the ankle's anchor, y = {lateral:.3f} m ({other:.3f} on the other"
+        text = f"no geometry of a foot that can be read: {text} side); roles.foot_y types it"
+        tree.remarks.append(text)
     line = roles.foot_y if roles.foot_y is not None else foot.get("y") or lateral
     if tree.has_sole:
         middle, line = line, leg["ankle_roll"].place[1]
@@ -148,6 +149,18 @@ def _compare(
     alike = roles.side is not None or differences[worst] <= roles.tolerance
     require(alike, "robot.model", expected, f"{worst} that differ by {differences[worst]:.1%}")
     return differences[worst], worst
+
+
+def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
+    """Refuse a left leg on the right, with the cause as the foot, below ``last``, tells it."""
+    heavy = last.body.mass > LEAST_MASS
+    ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
+    cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
+    if abs(ahead) > _AHEAD:
+        cause = "the base looks along −x: roles.forward: -x"
+        cause = "left and right are swapped" if ahead > 0.0 else cause
+    found = f"its ankle at y = {lateral:.3f} m ({cause})"
+    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
 
 
 def _geometry(

@@ -11,12 +11,19 @@ from typing import Any
 
 from pipeline.stages import training_jobs
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import evaluations_of, speed_of
-from pipeline.stages.gaits import gait, gait_section, library_job
+from pipeline.stages.evaluation import (
+    base_of,
+    check_walkable,
+    evaluations_of,
+    labels,
+    speed_of,
+)
+from pipeline.stages.gaits import gait, gait_section, library_job, stability_jobs
 from slider.artefacts.plan import JobSpec
 from slider.composition.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
+from slider.config.evaluation import EvaluationConfig
 from slider.config.parameters import choose, parameters, scaled
 from slider.config.schema import BudgetConfig, Config, StudyConfig
 from slider.config.train import TrainConfig
@@ -57,13 +64,16 @@ def study_job(
     the folder ``conf`` with the ``overrides``.
 
     Raises:
-        UserError: an unknown metric, or the overrides of a variant do not compose.
+        UserError: an unknown metric or controller, or the overrides of a variant do not compose.
     """
     study, key = config.study[name], f"study.{name}"
     rolled_out = study.evaluation is not None
     metrics = [n for n in QUANTITIES if (study.gaits if n in GAIT_QUANTITIES else rolled_out)]
     for metric in study.metrics:
         one_of(f"{key}.metrics", metric, metrics)
+    controllers = study.evaluation.controllers if study.evaluation else []
+    for controller in controllers:
+        one_of(f"{key}.evaluation.controllers", base_of(controller), (POLICY, *config.control))
     variants = list(_variants(config, study, overrides, conf, key))
     keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
     inputs: dict[str, list[JobSpec]] = {}
@@ -73,7 +83,10 @@ def study_job(
         keys.setdefault(group, []).append(place)
     if study.training is not None:
         inputs["library"] = [targets["library"]]
+    others = labels(config, (name for name in controllers if name != POLICY))
     rows = [(v.name, v.label, v.changes, v.note) for v in variants]
+    for other, label in others.items():
+        rows += [(f"{v.name}_{other}", f"{v.label}, {label}", "", "") for v in variants if v.config]
     if study.starts is not None:
         rows += [(f"{v.name}{STARTS}", f"{v.label}, random starts", "", "") for v in variants]
     section = {
@@ -137,13 +150,21 @@ def _jobs(
         yield from _gaits(variant, changed, study)
     if study.evaluation is None:
         return
-    own = {"controllers": [POLICY], "speeds": study.speeds, "profile": None}
+    own = {"speeds": study.speeds, "profile": None}
     protocol = replace(changed.evaluation, **own, **to_dict(study.evaluation))
+    policies = [name for name in protocol.controllers if base_of(name) == POLICY]
+    baselines = [name for name in protocol.controllers if name not in policies]
+    if baselines:
+        check_walkable(changed, "evaluation.controllers", baselines)
+        library = library_job(changed)
+        jobs = {"library": library, **stability_jobs(changed, library)}
+        walks = replace(protocol, controllers=baselines)
+        yield from _evaluations(variant, "", changed, walks, jobs, note)
+    protocol = replace(protocol, controllers=policies)
     if study.training is None:
         unused = {name: getattr(config.robot, name) for name in GAITS_ONLY}
         plant = replace(changed, robot=replace(changed.robot, **unused))
-        for spec in evaluations_of(plant, protocol, {"walking": targets["walking"]}, note):
-            yield "evaluations", [variant.name, "", speed_of(spec)], spec
+        yield from _evaluations(variant, "", plant, protocol, targets, note)
         return
     library, budget, train = library_job(changed), study.training, changed.train
     for seed in budget.seeds:
@@ -154,8 +175,22 @@ def _jobs(
         trained = replace(changed, train=trainings, finetuning=None)
         jobs = {"walking": training_jobs(trained, library, note)["walking"]}
         yield "walking", [variant.name, seed, _batch(walking)], jobs["walking"]
-        for spec in evaluations_of(trained, protocol, jobs, note):
-            yield "evaluations", [variant.name, seed, speed_of(spec)], spec
+        yield from _evaluations(variant, seed, trained, protocol, jobs, note)
+
+
+def _evaluations(
+    variant: Variant,
+    seed: int | str,
+    config: Config,
+    protocol: EvaluationConfig,
+    jobs: Mapping[str, JobSpec],
+    note: str,
+) -> Iterator[Keyed]:
+    """Those of the policy are in the variant's row, those of another controller in one beside."""
+    for spec in evaluations_of(config, protocol, jobs, note):
+        controller = spec.section["controller"]
+        row = variant.name if controller == POLICY else f"{variant.name}_{controller}"
+        yield "evaluations", [row, seed, speed_of(spec)], spec
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:

@@ -56,6 +56,24 @@ def test_each_seed_of_a_variant_has_a_training_and_an_evaluation_per_speed():
     assert found == {"gait": 2, "library": 1, "standing": 2, "walking": 4}  # shared where equal
 
 
+def test_other_controllers_walk_the_gaits_of_each_variant_in_rows_of_their_own():
+    run = "study.ablation.run=[default,without_reference_starts]"
+    names = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned")
+    job = study("ablation", run, f"+study.ablation.evaluation.controllers=[{','.join(names)}]")
+    found = keyed(job, "evaluations")
+    variants = ("default", "without_reference_starts")
+    rows = {v if name == "policy" else f"{v}_{name}": name for v in variants for name in names}
+    assert {key[0]: made.section["controller"] for key, made in found.items()} == rows
+    assert {row for row, *_ in job.section["variants"]} == {*rows}
+    assert {key[1] for key in found if rows[key[0]] in names[:2]} == {1, 2}
+    assert found["default_hzd", "", 0.2].inputs["library"][0].stage == "library"
+    assert found["default_mpc_wbc_tuned", "", 0.2].inputs == {}
+    with pytest.raises(
+        UserError, match=r"evaluation\.controllers: expected one of policy, .*, found x"
+    ):
+        study("ablation", run, "+study.ablation.evaluation.controllers=[x]")
+
+
 def test_variants_train_on_as_many_samples_whatever_their_batch():
     run = ("study.ablation.run=[default,paper]", "study.ablation.training.seeds=[1]")
     assert samples(study("ablation", *run, experiment="experiment=default")) == pytest.approx(
@@ -134,8 +152,9 @@ def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
 def test_other_robots_have_gaits_a_training_and_evaluations_of_their_own(monkeypatch):
     monkeypatch.chdir(CONF.parent)  # their files are named from there
     job = study("robots", experiment="experiment=smoke")
-    evaluations = keyed(job, "evaluations")
-    names = {v: made.section["robot"]["name"] for (v, *_), made in evaluations.items()}
+    rows = keyed(job, "evaluations")
+    names = {v: made.section["robot"]["name"] for (v, seed, _), made in rows.items() if seed}
+    names = {v: name for v, name in names.items() if not v.endswith("_onboard")}
     shown = {"slider_2_0": "SLIDER 2.0", "bruce": "BRUCE", "unitree_h1": "Unitree H1"}
     assert names == shown | {"unitree_g1_sole": "Unitree G1 with soles"}
     assert {key[0] for key in keyed(job, "gaits")} == names.keys()

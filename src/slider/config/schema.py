@@ -1,11 +1,12 @@
 """Root of the typed configuration, and the groups that no stage takes as its section."""
 
+from dataclasses import field
 from typing import Annotated
 
 from pydantic import Field
 
 from slider.config import types as t
-from slider.config.control import Controls
+from slider.config.control import POLICY, Controls
 from slider.config.env import EnvConfig
 from slider.config.evaluation import (
     EvaluationConfig,
@@ -70,7 +71,7 @@ class BudgetConfig(t.Group):
 
 
 class RolloutsConfig(t.Group):
-    """Evaluations of each policy; all else is as in ``evaluation``."""
+    """Evaluations of each variant; all else is as in ``evaluation``."""
 
     trials: Annotated[t.Count, Field(le=100_000)]
     """each with a seed of its own"""
@@ -78,6 +79,8 @@ class RolloutsConfig(t.Group):
     """per trial"""
     seed: t.Seed
     """of the first trial"""
+    controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=lambda: [POLICY])
+    """each but the policy has a row of its own; baselines walk the gaits of the variant"""
 
 
 class StudyConfig(t.Group):
@@ -99,7 +102,7 @@ class StudyConfig(t.Group):
     training: BudgetConfig | None = None
     """train each variant; null: the pipeline's policy, not retrained, on each variant's robot"""
     evaluation: RolloutsConfig | None = None
-    """evaluate the policies; null: none"""
+    """evaluate each variant; null: not"""
 
     def __post_init__(self) -> None:
         t.require(self.gaits or self.evaluation, "", "gaits=true or an evaluation")

@@ -26,7 +26,7 @@ from slider.training.results import Training
 
 WALKS = 0.95
 """Share of robots that survive a check of a policy that has learned to walk."""
-SHOWN = 30
+SHOWN = 40
 """Variants in the tables; of more those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (
@@ -227,10 +227,12 @@ def blocks(name: str, summary: pd.DataFrame) -> Iterator[str | Table]:
 def _variants(summary: pd.DataFrame) -> Table:
     heads = ["variant", "overrides", "not compared"]
     variants = summary.drop_duplicates("variant").fillna({"changes": "", "note": ""})
+    described = variants["changes"] + variants["note"] != ""  # not another controller's row
+    described.iloc[:1] = True
     body = [
         [row.label, " ".join(f"`{text}`" for text in row.changes.split()) or "none"]
         + [" ".join(row.note.split())]
-        for row in variants.itertuples()
+        for row in variants[described].itertuples()
     ]
     return Table(heads, body)
 

@@ -64,7 +64,7 @@ def study_job(
     the folder ``conf`` with the ``overrides``.
 
     Raises:
-        UserError: an unknown metric or controller, or the overrides of a variant do not compose.
+        UserError: an unknown metric, or the overrides of a variant do not compose.
     """
     study, key = config.study[name], f"study.{name}"
     rolled_out = study.evaluation is not None
@@ -72,8 +72,6 @@ def study_job(
     for metric in study.metrics:
         one_of(f"{key}.metrics", metric, metrics)
     controllers = study.evaluation.controllers if study.evaluation else []
-    for controller in controllers:
-        one_of(f"{key}.evaluation.controllers", base_of(controller), (POLICY, *config.control))
     variants = list(_variants(config, study, overrides, conf, key))
     keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
     inputs: dict[str, list[JobSpec]] = {}

@@ -56,7 +56,9 @@ def _evaluations(config: Config) -> None:
     period, known, gauge = config.env.control_period, (POLICY, *config.control), config.gauge
     expected = "none (the velocities of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
-    for key, owner in (config.evaluations | {"gauge": gauge}).items():
+    studies = {f"study.{n}.evaluation": s.evaluation for n, s in config.study.items()}
+    owners = config.evaluations | {"gauge": gauge} | {k: v for k, v in studies.items() if v}
+    for key, owner in owners.items():
         for name in owner.controllers:
             exported = gauge.policies if owner is gauge else ()
             one_of(f"{key}.controllers", name.removesuffix(ONBOARD), (*known, *exported))

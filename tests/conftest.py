@@ -96,14 +96,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     These are the ones with runs of the real pipeline and with trainings; those that look at a
     finished pipeline come after the one that runs it.
     """
-    items.sort(key=lambda item: (_length(item), "browser" in item.path.parts))
 
+    def place(item: pytest.Item) -> tuple[bool, ...]:
+        lacks = [item.get_closest_marker(name) is None for name in ("workflow", "learn")]
+        return *lacks, "browser" in item.path.parts
 
-def _length(item: pytest.Item) -> int:
-    """Place of a test's file: 0 for pipelines, 1 for trainings, 2 for the others."""
-    if item.get_closest_marker("workflow") is not None:
-        return 0
-    return 1 if item.get_closest_marker("learn") is not None else 2
+    items.sort(key=place)
 
 
 @pytest.fixture

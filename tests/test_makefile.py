@@ -118,9 +118,12 @@ def test_a_copied_or_moved_environment_is_made_anew(folder, maker):
         assert (elsewhere / ".venv/place").read_text() == str(elsewhere)
 
 
-@pytest.mark.parametrize("python", ["#!/bin/sh\nexit 1\n", "no program"])
-def test_a_broken_environment_is_made_anew(folder, maker, python):
-    (folder / ".venv/bin/python").write_text(python)
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("bin/python", "#!/bin/sh\nexit 1\n"), ("bin/python", "no program"), ("place", "")],
+)
+def test_a_broken_environment_or_one_that_was_begun_is_made_anew(folder, maker, name, text):
+    (folder / ".venv" / name).write_text(text)
     assert make(folder, "table1", maker)[2] == "snakemake"
 
 
@@ -136,11 +139,6 @@ def test_an_environment_of_somebody_else_stays(folder, maker, kind):
     assert done.returncode
     assert "expected no .venv or one that make made, found another: move it away" in done.stderr
     assert (folder / ".venv/bin/python").exists()
-
-
-def test_an_environment_that_was_begun_is_made_anew(folder, maker):
-    (folder / ".venv/place").write_text("")
-    assert make(folder, "table1", maker)[2] == "snakemake"
 
 
 def test_the_supported_pythons_are_the_same_everywhere():

@@ -87,6 +87,13 @@ def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, capsys):
             kept.rename(place)
 
 
+def test_no_remote_fails_a_run(capsys):
+    opened("store.remote=/nowhere")
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("slider: remote /nowhere: expected results of slider, found none")
+    assert line.endswith("; what is missing is computed here")
+
+
 @pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
 def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(monkeypatch, given):
     monkeypatch.setattr(signal, "signal", lambda *_: None)

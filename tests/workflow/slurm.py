@@ -95,8 +95,9 @@ def one_node() -> Iterator[Cluster]:
         munged = ["munged", "--foreground", "--force", f"--socket={folder}/munge.socket", *places]
         for command in (munged, ["slurmctld", "-D", "-c", "-i"], ["slurmd", "-D", "-c"]):
             stack.enter_context(_daemon(command, folder, cluster.environment))
-        stack.callback(_end_jobs, cluster)
-        _wait_for_node(cluster, folder)
+        stack.callback(cluster.becomes_empty)
+        stack.callback(cluster.ask, "scancel", f"--user={getpass.getuser()}")
+        _wait(lambda: cluster.ask("sinfo", "--noheader", "--format=%T").strip() == "idle")
         yield cluster
 
 
@@ -129,26 +130,23 @@ def _write_conf(folder: Path) -> None:
 @contextmanager
 def _daemon(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[None]:
     program = shutil.which(command[0], path=PATH) or command[0]
-    with (folder / f"{command[0]}.out").open("wb") as output:
-        process = subprocess.Popen(
-            [program, *command[1:]],
-            env=os.environ | environment,
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=output,
-            start_new_session=True,  # Ctrl-C is for pytest, which then stops it
-        )
+    process = subprocess.Popen(
+        [program, *command[1:]],
+        env=os.environ | environment,
+        stdin=subprocess.DEVNULL,
+        start_new_session=True,  # Ctrl-C is for pytest, which then stops it
+    )
+    try:
+        if command[0] == "munged":
+            _wait(lambda: (folder / "munge.socket").exists())
+        yield
+    finally:
+        process.terminate()
         try:
-            if command[0] == "munged":
-                _wait(lambda: (folder / "munge.socket").exists())
-            yield
-        finally:
-            process.terminate()
-            try:
-                process.wait(10)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 def _wait(is_there) -> None:
@@ -157,16 +155,3 @@ def _wait(is_there) -> None:
         if time.monotonic() > deadline:
             raise TimeoutError("expected Slurm to start")
         time.sleep(0.1)
-
-
-def _wait_for_node(cluster: Cluster, folder: Path) -> None:
-    try:
-        _wait(lambda: cluster.ask("sinfo", "--noheader", "--format=%T").strip() == "idle")
-    except TimeoutError:
-        found = "\n".join(path.read_text()[-2000:] for path in sorted(folder.glob("*.out")))
-        raise RuntimeError(f"expected Slurm's node to be idle, found\n{found}") from None
-
-
-def _end_jobs(cluster: Cluster) -> None:
-    cluster.ask("scancel", f"--user={getpass.getuser()}")
-    cluster.becomes_empty()

@@ -3,6 +3,7 @@
 import csv
 import re
 import resource
+import shutil
 import sqlite3
 import subprocess
 from collections import Counter
@@ -65,26 +66,23 @@ def test_ends_with_a_table_and_a_page_of_our_controller(real):
 def test_targets_beside_the_way_to_the_table(real, tmp_path):
     """Checks of gaits wait for no training; what a study shares is computed once."""
     workspace = real.copy(tmp_path / "copy")
+    shutil.copytree(REPOSITORY / "docs" / "policy", workspace.folder / "theirs")
     reports, study = workspace.folder / "reports", workspace.folder / "conf/study/mine.yaml"
     longer = "longer: {label: longer toe, overrides: [robot.geometry.toe=0.1]}"
     mine = f"run: [nominal, longer]\nvariants: {{{longer}}}\nscaling:\nspeeds: [0.4]\n"
-    study.write_text(f"defaults: [sensitivity, _self_]\n{mine}evaluation: {{robots: 2}}\n")
-    targets = "figures policy reports/verification.csv reports/mine.csv"
-    short = "verification.points=21"
-    stages = Counter(workspace.computed(short, target=targets))
-    studied = {"gait": 1, "evaluation": 2, "study": 1}
-    assert {name: stages[name] for name in studied} == studied
+    mine += "evaluation: {trials: 2, robots: 3}\n"  # as on the way to the table
+    study.write_text(f"defaults: [sensitivity, _self_]\n{mine}")
+    targets = "figures policy reports/verification.csv reports/mine.csv reports/gauge.csv"
+    gauge = "+gauge.policies.theirs=theirs gauge.controllers=[theirs_onboard] gauge.axes=[delay]"
+    stages = Counter(workspace.computed(f"verification.points=21 {gauge}", target=targets))
+    once = {"gait", "evaluation", "study", "policy_import", "gauge_axis", "gauge"}
+    assert {stage for stage in once if stages[stage] == 1} == once
     assert not {"standing", "walking", "table1"} & stages.keys()
     drawn = {path.name for path in (reports / "figures").iterdir()}
     assert set(FILES) <= drawn
     assert "2 gaits" in (reports / "verification.md").read_text()
     rows = csv.DictReader((reports / "verification.csv").open())
     assert [row["failed"] for row in rows] == ["", ""]
-
-    exported = f"{short} +gauge.policies.theirs=reports/policy gauge.axes=[delay]"
-    exported += " gauge.controllers=[theirs_onboard]"
-    found = workspace.computed(exported, target=f"{targets} reports/gauge.csv")
-    assert found == ["gauge", "gauge_axis", "policy_import"]
     rows = list(csv.DictReader((reports / "gauge.csv").open()))
     assert [row["axis"] for row in rows] == ["delay", "gauge number"]
     assert rows[0]["label"] == "theirs, onboard state"

@@ -53,15 +53,21 @@ def run(walking, out, seconds: float = 0.6, speed: float = 0.2, **changes):
     return summary, Evaluation.load(out).robots
 
 
-def test_the_summary_is_that_of_the_robots(walking, tmp_path):
-    summary, table = run(walking, tmp_path / "out")
+def test_summary_and_traces_are_those_of_the_robots(walking, tmp_path, rollouts):
+    summary, table = run(walking, tmp_path / "out", seconds=0.4)
     np.testing.assert_array_equal(table["trial"], [0, 0, 0, 1, 1, 1])
     np.testing.assert_array_equal(table["robot"], [0, 1, 2, 0, 1, 2])
     assert summary["success_rate"] == table["survived"].mean()
     survivors = table["squared_error_steady"][table["survived"]]
-    assert len(survivors) > 0
     assert summary["mse_steady"] == pytest.approx(survivors.mean(), rel=1e-6)
     assert summary["blow_ups"] == 0
+    recording = rollouts[0].recording
+    forward = recording.velocity[:, recording.survived, 0]
+    assert forward.shape[1] > 1
+    expected = np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1)
+    found = np.load(tmp_path / "out" / "velocity.npy")
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
+    assert np.ptp(found[:, 1]) > 0.0
 
 
 def test_where_all_fall_there_are_no_errors(walking, tmp_path, recwarn):
@@ -159,17 +165,6 @@ def test_policy_and_baseline_meet_the_same_robots():
     stand(slow), stand(fast)
     np.testing.assert_array_equal(slow.masses, fast.masses)
     assert len(np.unique(slow.masses)) == count
-
-
-def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, rollouts):
-    run(walking, tmp_path / "out", seconds=0.4)
-    recording = rollouts[0].recording
-    forward = recording.velocity[:, recording.survived, 0]
-    assert forward.shape[1] > 1
-    expected = np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1)
-    found = np.load(tmp_path / "out" / "velocity.npy")
-    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
-    assert np.ptp(found[:, 1]) > 0.0
 
 
 def test_on_another_robot_the_policy_keeps_its_own_model(walking, tmp_path, rollouts):

@@ -62,11 +62,11 @@ def test_the_prismatic_robot_stands_where_the_gait_says(velocity, k):
 
 def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_one():
     """To the last bit; the mean velocity is the base's then, and the feet's here."""
-    x, velocity = solved(0.5, 0.1).variables, [0.5, 0.1, 0.0]
+    x = solved(*STRAIGHT).variables
     for away in (0.0, 0.05):
         y = x + away * np.random.default_rng(0).normal(size=x.size)
         straight, turning = (
-            flat(Nlp(problem(turning)).objective_and_rows(y, velocity)[1])
+            flat(Nlp(problem(turning)).objective_and_rows(y, [*STRAIGHT])[1])
             for turning in (False, True)
         )
         mean = next(b.rows for b in problem().blocks if b.name == "mean_velocity")

@@ -272,11 +272,6 @@ def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
     (tmp_path / "policy.json").write_text("another")
     other = gauge("gauge.controllers=[o,o_onboard]", f"+gauge.policies.o={tmp_path}")
     assert not {c.recipe for c in made.inputs["cells"]} & {c.recipe for c in other.inputs["cells"]}
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    message = r"^gauge\.policies\.o: expected a folder with policy\.onnx"
-    with pytest.raises(UserError, match=message):
-        gauge("gauge.controllers=[o]", f"+gauge.policies.o={elsewhere}")
 
 
 def test_a_label_that_two_rows_would_have_is_refused():

@@ -24,8 +24,8 @@ from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_tracking
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
-from tests.evaluation.test_results import make_robots, random_robots
-from tests.evaluation.test_segments import case, protocol, recording
+from tests.evaluation.test_results import changing, make_robots, random_robots
+from tests.evaluation.test_segments import protocol
 
 LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
@@ -134,16 +134,8 @@ def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path)
     assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in (out / "heldout.md").read_text()
 
 
-def report_segments(folder: Path):
-    rollout = recording()
-    found = segments.measure(rollout, protocol(), case())
-    traces = segments.traces(rollout, protocol())
-    evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
-    return report(folder, "joystick", protocol(), [replace(evaluation, traces=traces)])
-
-
 def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
-    summary, rows, _ = report_segments(tmp_path)
+    summary, rows, _ = report(tmp_path, "joystick", protocol(), [changing()])
     assert rows["segment"].tolist() == ["stand", "turn", "side"]
     turn = rows.iloc[1]
     assert [turn[f"{axis}_command"] for axis in AXES] == [0.4, 0, 0.3]
@@ -153,15 +145,12 @@ def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
     assert summary == {"rows": 3, "success_rate": {"policy": 0.75}}
 
 
-def report_speeds(folder: Path):
+def test_speeds(tmp_path):
     walks = make_robots([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
     falls = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
     evaluations = [Evaluation("policy", 0.2, walks), Evaluation("policy", 3.0, falls)]
-    return report(folder, "sweep", config("experiment=test").protocols["sweep"], evaluations)
-
-
-def test_speeds(tmp_path):
-    summary, rows, out = report_speeds(tmp_path)
+    sweep = config("experiment=test").protocols["sweep"]
+    summary, rows, out = report(tmp_path, "sweep", sweep, evaluations)
     velocity = np.array([1.5, 1.25, 1.125, 2.0])  # errors + 1
     walks = {"speed": 0.2, "success_rate": 1, "mean_velocity": velocity.mean()}
     walks["mean_velocity_spread"] = velocity.std()

@@ -741,3 +741,37 @@ def test_the_example_of_the_tutorial(tmp_path, capsys):
     assert "torque" not in rest
     said = printed(folder, text.replace("hip_pitch: -0.3455", "hip_pitch: -0.3"), capsys)
     assert "solved pose: {left_hip_pitch: -0.3455, left_ankle: -0.3545" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "foot", "weak"),
+    [
+        (
+            "booster_t1",
+            "Booster T1: 31.73 kg, base 0.671 m above the ground, legs of 0.500 m, 0.212 m apart",
+            "y 0.106, width 0.100, ankle_height 0.055, toe 0.123, heel 0.102 m",
+            True,
+        ),
+        (
+            "booster_k1",
+            "Booster K1: 19.67 kg, base 0.538 m above the ground, legs of 0.423 m, 0.192 m apart",
+            "y 0.096, width 0.070, ankle_height 0.038, toe 0.116, heel 0.064 m",
+            False,
+        ),
+        (
+            "unitree_h1_2",
+            "Unitree H1-2: 67.37 kg, base 1.003 m above the ground, legs of 0.775 m, 0.326 m apart",
+            "y 0.163, width 0.076, ankle_height 0.065, toe 0.170, heel 0.080 m",
+            False,
+        ),
+    ],
+)
+def test_an_example_with_soles(name, first, foot, weak, capsys):
+    """Masses and places are those of MuJoCo in the vendor's file; rotors are never SLIDER's."""
+    folder = CONF.parent / "docs/examples/robots" / name
+    assert main(["robot", str(folder), "--conf", str(CONF)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith(first)
+    assert f"foot: in the model {foot}" in said
+    assert "from the robot that it builds on: contact.friction\n" in said
+    assert ("remark: hip_roll cannot hold the robot on one leg" in said) is weak

@@ -775,3 +775,13 @@ def test_an_example_with_soles(name, first, foot, weak, capsys):
     assert f"foot: in the model {foot}" in said
     assert "from the robot that it builds on: contact.friction\n" in said
     assert ("remark: hip_roll cannot hold the robot on one leg" in said) is weak
+
+
+@pytest.mark.parametrize("name", ["bruce", "limx_tron1"])
+def test_an_example_weighs_what_its_model_does(name):
+    """Links that the machine lacks weigh 1 g."""
+    folder = CONF.parent / "docs/examples/robots" / name
+    spec = mujoco.MjSpec.from_file(str(next(folder.glob("robot.[ux]*"))))
+    spec.compiler.fusestatic = False
+    ours = build_spec(composed(f"robot={folder}").robot, SimulationOptions()).compile()
+    assert ours.body_mass.sum() == pytest.approx(spec.compile().body_mass.sum(), rel=5e-4)

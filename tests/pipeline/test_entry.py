@@ -3,6 +3,7 @@
 import re
 import shlex
 import signal
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -85,6 +86,13 @@ def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, capsys):
         place.rmdir()
         if kept:
             kept.rename(place)
+
+
+def test_a_python_without_docstrings_is_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "flags", SimpleNamespace(optimize=2))
+    with pytest.raises(SystemExit, match="1"):
+        opened()
+    assert capsys.readouterr().err == "slider: PYTHONOPTIMIZE: expected at most 1, found 2\n"
 
 
 def test_no_remote_fails_a_run(capsys):

@@ -105,20 +105,10 @@ def test_missed_and_late_ticks_are_made_up_for(example, contract):
     np.testing.assert_array_equal(irregular(PERIOD * 99.4, readings), found)  # the same period
 
 
-@pytest.mark.parametrize("timestep", [0.004, 0.003])
-def test_the_rate_of_the_network_is_the_contracts(example, contract, tmp_path, timestep):
-    folder = shutil.copytree(SHIPPED, tmp_path / "policy")
-    model = folder / "robot.xml"
-    model.write_text(model.read_text().replace('timestep="0.005"', f'timestep="{timestep}"'))
-    if timestep == 0.004:
-        assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
-        return
-    with pytest.raises(SystemExit, match=r"divides the control period of 0.02 s, found 0.003$"):
-        example.Simulation(folder, contract)
-
-
-def test_joints_are_found_by_name(example, contract, tmp_path):
-    """The model's legs change places, and with them its joints and motors."""
+def test_joints_are_found_by_name_and_the_rate_of_the_network_is_the_contracts(
+    example, contract, tmp_path
+):
+    """The model's legs change places, and with them its joints and motors; its time step, too."""
     folder = shutil.copytree(SHIPPED, tmp_path / "policy")
     tree = ElementTree.parse(folder / "robot.xml")
     base = next(body for body in tree.iter("body") if body.get("name") == "base")
@@ -127,10 +117,15 @@ def test_joints_are_found_by_name(example, contract, tmp_path):
     base.append(legs[0])
     motors = tree.getroot().find("actuator")
     motors[:] = motors[::-1]
+    tree.getroot().find("option").set("timestep", "0.004")
     tree.write(folder / "robot.xml")
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     assert model.joint(1).name != contract["joints"][0]["name"]
     assert Walk(example, contract, folder).go(3.0, 1.2) == pytest.approx(2.8, abs=0.7)
+    tree.getroot().find("option").set("timestep", "0.003")
+    tree.write(folder / "robot.xml")
+    with pytest.raises(SystemExit, match=r"divides the control period of 0.02 s, found 0.003$"):
+        example.Simulation(folder, contract)
 
 
 def test_it_is_a_short_program_of_python_3_8():

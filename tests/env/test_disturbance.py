@@ -20,7 +20,6 @@ from slider.env.disturbance import (
 from slider.env.starts import NUMPY
 from slider.env.state import RobotState
 from slider.robot import names
-from slider.robot.mjcf import Actuation
 from tests.env.synthetic import (
     JOINTS,
     disturbance,
@@ -131,22 +130,6 @@ def test_each_robots_inputs_are_late_by_its_own_delay_at_any_rate_of_the_control
     arrived = np.concatenate([line.pass_on(call)[..., 0] for call in calls], axis=1)
     for late, row in enumerate(arrived, least):
         np.testing.assert_array_equal(row, np.concatenate([[-1.0] * late, issued])[:24])
-
-
-@pytest.mark.parametrize("actuation", ["position", "torque"])
-def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation):
-    delayed, prompt = (
-        stand(disturbed_physics(2, *late, actuation=actuation, substeps=1))
-        for late in (("delay={lower: 0.015, upper: 0.015}",), ())
-    )
-    size = 0.02 if actuation == "position" else 3.0
-    inputs = size * np.random.default_rng(0).standard_normal((40, 2, names.NUM_JOINTS))
-    shifted = np.concatenate([np.zeros((3, 2, names.NUM_JOINTS)), inputs])
-    for late, now in zip(inputs, shifted, strict=False):
-        delayed.step(late), prompt.step(now)
-        np.testing.assert_array_equal(delayed.qpos, prompt.qpos)
-        np.testing.assert_array_equal(delayed.read().motor_torques, prompt.read().motor_torques)
-    assert np.abs(delayed.qvel).max() > 0.1, "nothing moved: the comparison would prove little"
 
 
 @pytest.mark.parametrize("kind", ["uniform", "normal"])

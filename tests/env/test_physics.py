@@ -95,17 +95,6 @@ def test_work_of_the_motors_is_that_of_the_equations_of_motion(actuation):
     assert slowed > count // 2, "demanded torques acted: the test would prove little"
 
 
-def test_threads_do_not_change_the_result():
-    one, three = (make_physics(6, threads) for threads in (1, 3))
-    for physics in (one, three):
-        rng = np.random.default_rng(1)
-        physics.reset(np.arange(6), *random_pose(rng, 6))
-        for targets in random_targets(rng, 15, 6):
-            physics.step(targets)
-    np.testing.assert_array_equal(one.state, three.state)
-    np.testing.assert_array_equal(one.read().foot_forces, three.read().foot_forces)
-
-
 def started(physics: BatchedPhysics) -> BatchedPhysics:
     """One step after a random start."""
     physics.reset(np.arange(4), *random_pose(np.random.default_rng(2), 4))

@@ -9,7 +9,6 @@ from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission
 from tests.config.composed import composed
 from tests.env.synthetic import JOINTS, MOTORS
-from tests.robot.lopsided import kneed
 from tests.robot.soled import with_soles
 
 ROBOT = composed().robot
@@ -26,12 +25,6 @@ def test_joints_actuators_and_mass(model):
     assert model.body_mass.sum() == pytest.approx(12.5248, abs=1e-9)
     assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
     assert model.na == 0
-
-
-def test_ranges_of_a_right_leg_are_reflected():
-    model = build_model(kneed("unitree_g1"), SimulationOptions())
-    ranges = [model.joint(f"{side}_hip_roll").range.tolist() for side in names.SIDES]
-    assert ranges == [[-0.26, 2.53], [-2.53, 0.26]]
 
 
 def test_stands_on_two_lines(model):

@@ -68,17 +68,6 @@ def solution(problem, i: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
-def test_torques_are_the_efforts_of_the_solution(dynamics, feet):
-    body, _, problem = build(dynamics, feet)
-    torques, solved = body.solve(problem)
-    assert solved.all()
-    for i in range(COUNT):
-        efforts = problem.efforts[i] @ np.append(solution(problem, i), 1.0)
-        np.testing.assert_allclose(torques[i, DRIVEN - 6], efforts, atol=1e-7)
-    assert not torques[:, [5, 11]].any(), "upper feet have no drive"
-
-
-@pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
 def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
     """Σ w (J q̈ − b)² + ρ y², and motor torques of M q̈ + h − Jᵀf, of any y."""
     body, parts, problem = build(dynamics, feet, (0.5, 0.1, 0.0))

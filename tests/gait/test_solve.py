@@ -3,7 +3,6 @@
 import signal
 import sys
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,31 +11,29 @@ import pytest
 from slider.config.types import Interval
 from slider.gait.constraints import joint_bounds
 from slider.gait.formulation import Formulation
-from slider.gait.problem import build
+from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import dense_nodes, dense_violations, knee_trajectory
-from slider.gait.solve import ANCHOR, GaitSolver, PrimalDual, Solve
+from slider.gait.solve import GaitSolver, Solve
 from slider.robot.knee_map import all_joints, prismatic_joints
 from slider.robot.transmission import Transmission
-from tests.gait.gaits import config, form, nodes, problem, solved, solver
+from tests.gait.gaits import config, form, nodes, problem, solved
 from tests.robot.lopsided import kneed
 
 VELOCITY = (0.4, 0.0)
 
 
-@cache
 def formulated(**changes: Any) -> Formulation:
     return Formulation(config().robot, replace(config().gait, **changes))
 
 
-def solve_with(form: Formulation, guesses=("cold",), step_time: Interval | None = None):
-    gait = config().gait
-    settings = replace(gait.solver, guesses=list(guesses))
-    return GaitSolver(build(form), settings, step_time or gait.step_time)
+def solver_of(gait: GaitProblem, guess: str = "cold", step_time: Interval | None = None):
+    settings = replace(config().gait.solver, guesses=[guess])
+    return GaitSolver(gait, settings, step_time or config().gait.step_time)
 
 
 def test_a_solve_that_does_not_end_by_itself_is_no_result():
     """CasADi swallows what a handler raises, and IPOPT reports that it was stopped."""
-    solver = solve_with(form())
+    solver = solver_of(problem())
     solver._ipopt(False)
     before = signal.signal(signal.SIGVTALRM, lambda *_: sys.exit(1))
     signal.setitimer(signal.ITIMER_VIRTUAL, 0.1)
@@ -57,7 +54,7 @@ def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_each_cost_is_least_for_its_own_optimum():
-    transport = solve_with(formulated(cost="transport")).solve(*VELOCITY)
+    transport = solver_of(build(formulated(cost="transport"))).solve(*VELOCITY)
     found = {"paper": solved(*VELOCITY), "transport": transport}
     for name, own in found.items():
         assert own.success, name
@@ -84,24 +81,14 @@ def cost_of(name: str, variables: np.ndarray) -> float:
 
 
 def test_the_ramp_arrives_where_the_cold_start_does():
-    ramp = solve_with(formulated(), guesses=("ramp",)).solve(*VELOCITY)
+    ramp = solver_of(problem(), "ramp").solve(*VELOCITY)
     assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
     assert ramp.success
     assert ramp.cost == pytest.approx(solved(*VELOCITY).cost, rel=1e-6)
 
 
-def test_a_turning_gait_starts_from_one_straight_ahead():
-    cold, straight = solved(*VELOCITY, 0.3), solved(*VELOCITY)
-    anchor = PrimalDual(straight.variables, straight.multipliers)
-    warm = solver(turning=True).solve(*VELOCITY, 0.3, anchor=anchor)
-    assert [attempt.name for attempt in warm.attempts] == [ANCHOR]
-    assert warm.success
-    assert warm.cost == pytest.approx(cold.cost, rel=1e-6)
-    assert warm.iterations < cold.iterations
-
-
 def test_a_step_time_that_is_given_is_kept():
-    solver = solve_with(formulated(), step_time=Interval(0.36, 0.36))
+    solver = solver_of(problem(), step_time=Interval(0.36, 0.36))
     solve, layout = solver.solve(*VELOCITY), solver.problem.layout
     assert solve.success
     assert [solve.variables[layout.time_index(step)] for step in range(2)] == [0.36, 0.36]
@@ -123,7 +110,7 @@ def test_weaker_motors_and_a_lower_voltage_reach_their_bounds():
 
     low = formulated(voltage=share)
     for changed, quantity, bound in ((weak, torque, limit), (low, voltage, share)):
-        solve = solve_with(changed).solve(*VELOCITY)
+        solve = solver_of(build(changed)).solve(*VELOCITY)
         assert solve.success, solve.status
         assert quantity(solved(*VELOCITY)) > 1.02 * bound
         assert quantity(solve) == pytest.approx(bound, abs=1e-4)
@@ -143,7 +130,7 @@ def test_dense_phases_pass_through_the_nodes():
     np.testing.assert_allclose(dense, nodes(*VELOCITY), atol=1e-9)
 
 
-@pytest.mark.parametrize("velocity", [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)])
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), (2.2, 0.1)])
 def test_cold_starts_converge(velocity):
     solve = solved(*velocity)
     assert solve.success, solve.status
@@ -151,7 +138,7 @@ def test_cold_starts_converge(velocity):
     assert solve.iterations < 60
 
 
-@pytest.mark.parametrize("name", ["unitree_h1", "unitree_g1", "slider"])
+@pytest.mark.parametrize("name", ["unitree_h1", "slider"])
 def test_legs_without_a_virtual_knee_walk_in_their_own_coordinates(name):
     """A knee's flexion counts from straight, within ``gait.posture``; a slide has its range."""
     has_knee = name != "slider"

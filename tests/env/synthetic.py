@@ -7,7 +7,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import torch
 import yaml
 from omegaconf import OmegaConf
 
@@ -152,9 +151,9 @@ def make_guide(gait: str = "interpolated") -> Guide:
     return Guide(library(), gait_table(), robot_config().geometry, gait)
 
 
-def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:
+def make_physics(count: int, **settings: float) -> BatchedPhysics:
     physics: PhysicsConfig = replace(config("experiment=test").env.physics, **settings)
-    return BatchedPhysics(robot_config(), physics, count, threads)
+    return BatchedPhysics(robot_config(), physics, count)
 
 
 @cache
@@ -205,32 +204,7 @@ def make_agent(count: int, *overrides: str) -> AgentInterface:
     """The agent of an environment; ``overrides`` are Hydra's."""
     settings = config("experiment=test", *overrides)
     table = gait_table()
-    return ArrayAgent(settings.robot, settings.env, count, table.times, table.joints)
-
-
-def as_tensor(value: Any) -> Any:
-    """A tensor of an array or of the arrays of a state; anything else as it is."""
-    if isinstance(value, RobotState):
-        return value.tensors(FLOAT64)
-    return torch.tensor(value) if isinstance(value, np.ndarray) else value
-
-
-TAKING_TENSORS = ("reset", "set_velocity_command", "act", "advance", "refresh_heading", "view")
-
-
-TAKING_TENSORS = ("reset", "set_velocity_command", "act", "advance", "refresh_heading", "view")
-
-
-class ArrayAgent(AgentInterface):
-    """An agent that takes NumPy's arrays as well, so that tests are written in one library."""
-
-    def __getattribute__(self, name: str) -> Any:
-        found = super().__getattribute__(name)
-        if name not in TAKING_TENSORS:
-            return found
-        return lambda *values, **named: found(
-            *map(as_tensor, values), **{key: as_tensor(value) for key, value in named.items()}
-        )
+    return AgentInterface(settings.robot, settings.env, count, table.times, table.joints)
 
 
 def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:

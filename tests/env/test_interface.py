@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import torch
 
 from slider.core.errors import UserError
 from slider.env.interface import FLOAT64, AgentInterface
@@ -19,9 +20,9 @@ from tests.env.synthetic import (
     robot_config,
 )
 
+ALL, tensor = slice(None), FLOAT64.new_tensor
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
 CLIP = config("experiment=test").env.action.clip
-HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
 
 
 def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
@@ -34,16 +35,16 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
     other = mirror_pose(qpos, qvel)
     physics.reset(np.arange(2), np.concatenate([qpos, other[0]]), np.concatenate([qvel, other[1]]))
     agent = make_agent(2)
-    agent.set_velocity_command(np.arange(2), np.array([[0.3, 0.05, 0.1], [0.3, -0.05, -0.1]]))
-    state = physics.read()
-    agent.reset(np.arange(2), state, phase=np.array([0.2, 0.7]))
+    agent.set_velocity_command(ALL, tensor([[0.3, 0.05, 0.1], [0.3, -0.05, -0.1]]))
+    state = physics.read().tensors(FLOAT64)
+    agent.reset(ALL, state, phase=tensor([0.2, 0.7]))
     agent.refresh_heading(state)
     matrix = 0.3 * rng.standard_normal((agent.observer.size, NUM_JOINTS)) / 5
     for _ in range(10):
-        seen = agent.observe(state.tensors(FLOAT64)).numpy()
+        seen = agent.observe(state)
         np.testing.assert_allclose(seen[0], seen[1], atol=1e-4)
-        physics.step(agent.act(seen[:1].astype(float).repeat(2, axis=0) @ matrix))
-        state = physics.read()
+        physics.step(agent.act(tensor(seen[:1].numpy().repeat(2, axis=0) @ matrix)))
+        state = physics.read().tensors(FLOAT64)
         agent.advance(state)
     assert agent.action.abs().max() > 0.05
     mirrored = mirror_pose(physics.qpos[1:], physics.qvel[1:])
@@ -51,8 +52,8 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
 
 
 def test_actions_and_targets_are_clipped():
-    agent, action = make_agent(3, "env.action.offset=nominal"), np.full((3, NUM_JOINTS), 1e6)
-    agent.reset(np.arange(3), make_state(3), phase=0.1)
+    agent, action = make_agent(3, "env.action.offset=nominal"), torch.full((3, NUM_JOINTS), 1e6)
+    agent.reset(ALL, make_state(3), phase=0.1)
     targets = agent.act(action).numpy()
     np.testing.assert_array_equal(agent.action[:, GAIT_JOINTS], CLIP)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
@@ -67,8 +68,8 @@ def test_actions_and_targets_are_clipped():
 def test_the_heading_error_integrates_the_yaw_rate_and_wraps():
     agent = make_agent(2)
     still = make_state(2, yaw=[3.0, -3.0])
-    agent.set_velocity_command(np.arange(2), np.array([[0, 0, 0.5], [0, 0, -0.5]]))
-    agent.reset(np.arange(2), still)
+    agent.set_velocity_command(ALL, tensor([[0, 0, 0.5], [0, 0, -0.5]]))
+    agent.reset(ALL, still)
     agent.refresh_heading(still)
     np.testing.assert_allclose(agent.command[:, 3], 0.0, atol=1e-12)
     for _ in range(50):
@@ -83,25 +84,15 @@ def test_the_heading_error_integrates_the_yaw_rate_and_wraps():
         assert np.abs(agent.command[:, 3]).max() <= np.pi + 1e-12
 
 
-def test_step_response_of_the_velocity_filter():
-    agent = make_agent(1)
-    agent.reset(np.array([0]), make_state(1))
-    moving = make_state(1, heading_velocity=[[1.0, -0.5]])
-    constant = config("experiment=test").env.observation.velocity_filter
-    for k in range(1, 40):
-        agent.advance(moving)
-        share = 1 - (1 - 0.02 / constant) ** k
-        np.testing.assert_allclose(agent.filtered_velocity, [[share, -0.5 * share]], atol=1e-12)
-    assert share == pytest.approx(1 - np.exp(-39 * 0.02 / constant), abs=0.02)
-
-
-def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
+def test_the_reference_has_a_constant_acceleration_and_filters_their_step_response():
     agent = make_agent(2, "env.reference.acceleration=2.0", "env.observation.velocity_filter=0.5")
-    agent.reset(np.arange(2), make_state(2), velocity=np.array([[0.0, 0.0], [1.0, 0.1]]))
-    agent.set_velocity_command(np.arange(2), np.array([[1.0, 0.1, 0.0], [0.0, 0.1, 0.0]]))
-    expected = np.array([0.0, 0.0])
+    agent.reset(ALL, make_state(2), velocity=tensor([[0.0, 0.0], [1.0, 0.1]]))
+    agent.set_velocity_command(ALL, tensor([[1.0, 0.1, 0.0], [0.0, 0.1, 0.0]]))
+    expected, moving = np.array([0.0, 0.0]), make_state(2, heading_velocity=[[1.0, -0.5]])
     for k in range(1, 41):
-        agent.advance(make_state(2))
+        agent.advance(moving)
+        share = 1 - (1 - 0.02 / 0.5) ** k
+        np.testing.assert_allclose(agent.filtered_velocity[0], [share, -0.5 * share], atol=1e-12)
         risen = min(1.0, 2.0 * 0.02 * k)
         np.testing.assert_allclose(agent.reference_velocity[0], [risen, min(0.1, 0.04 * k)])
         np.testing.assert_allclose(agent.reference_velocity[1], [1.0 - risen, 0.1], atol=1e-12)
@@ -110,21 +101,21 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
 
 
 def test_resetting_one_robot_leaves_the_others():
-    agent, one = make_agent(2), np.array([1])
+    agent, one = make_agent(2), torch.tensor([1])
     moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)
-    agent.reset(np.arange(2), moving, phase=0.1)
-    agent.act(np.ones((2, NUM_JOINTS)))
+    agent.reset(ALL, moving, phase=0.1)
+    agent.act(torch.ones(2, NUM_JOINTS))
     agent.advance(moving)
     kept = [agent.action, agent.filtered_velocity, agent.clock.phase]
     before = [values[0].clone() for values in kept]
-    agent.reset(one, moving, phase=0.4, velocity=np.array([[0.3, 0.1]]))
+    agent.reset(one, moving, phase=0.4, velocity=tensor([[0.3, 0.1]]))
     for values, value in zip(kept, before, strict=True):
         np.testing.assert_array_equal(values[0], value)
     assert agent.clock.phase[1] == 0.4
     for values in (agent.filtered_velocity, agent.expected_velocity):
         np.testing.assert_array_equal(values[1], [0.3, 0.1])
     assert agent.heading_target[1] == pytest.approx(0.7)
-    agent.reset(one, moving, heading=np.array([0.1]))
+    agent.reset(one, moving, heading=tensor([0.1]))
     np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
 
 
@@ -144,28 +135,28 @@ def test_a_residual_action_is_about_the_gait(phase):
     agents = [make_agent(3, f"env.action.offset={origin}") for origin in ("gait", "nominal")]
     command = np.array([[0.2, 0.0, 0.0], [0.5, 0.05, 0.0], [1.7, 0.0, 0.0]])
     for agent in agents:
-        agent.set_velocity_command(np.arange(3), command)
-        agent.reset(np.arange(3), make_state(3), phase=phase, velocity=command[:, :2])
+        agent.set_velocity_command(ALL, tensor(command))
+        agent.reset(ALL, make_state(3), phase=phase, velocity=tensor(command[:, :2]))
     residual, nominal = agents
     expected = gait_table().at(command, np.full(3, phase))[:, :NUM_JOINTS]
     assert np.abs(expected - nominal.nominal.numpy()).max() > 0.05
-    np.testing.assert_allclose(residual.act(np.zeros((3, NUM_JOINTS))), expected, atol=1e-12)
+    np.testing.assert_allclose(residual.act(torch.zeros(3, NUM_JOINTS)), expected, atol=1e-12)
     action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
-    moved = residual.act(action.copy()).numpy() - expected
-    np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
+    moved = residual.act(tensor(action)).numpy() - expected
+    np.testing.assert_allclose(moved, nominal.act(tensor(action)) - nominal.nominal, atol=1e-12)
 
 
 def test_a_halted_robot_acts_about_standing_on_both_feet():
     """Between the two changes of feet: its own mirror image, wherever the clock has halted."""
-    agent = make_agent(3, *HALT, "env.action.offset=gait")
-    agent.reset(np.arange(3), make_state(3), phase=np.array([0.0, 0.5, 0.3]))
-    targets = agent.act(np.zeros((3, NUM_JOINTS)))
+    agent = make_agent(3, "env.phase.halt={below: 0.2, above: 0.4}", "env.action.offset=gait")
+    agent.reset(ALL, make_state(3), phase=tensor([0.0, 0.5, 0.3]))
+    targets = agent.act(torch.zeros(3, NUM_JOINTS))
     np.testing.assert_array_equal(agent.view(make_state(3)).halted, [True, True, False])
     np.testing.assert_array_equal(targets[0], targets[1])
-    np.testing.assert_allclose(targets[0], targets[0][PERMUTATION] * SIGN, atol=1e-12)
+    np.testing.assert_allclose(targets[0], targets[0].numpy()[PERMUTATION] * SIGN, atol=1e-12)
     gait = gait_table().at(np.zeros((3, 3)), np.array([0.0, 0.5, 0.3]))[:, :NUM_JOINTS]
     np.testing.assert_allclose(targets[0], (gait[0] + gait[1]) / 2, atol=1e-12)
     np.testing.assert_allclose(targets[2], gait[2], atol=1e-12)
-    agent.set_velocity_command(np.arange(3), np.array([[0.1, 0.0, 0.0]] * 3))
+    agent.set_velocity_command(ALL, tensor([[0.1, 0.0, 0.0]] * 3))
     agent.advance(make_state(3))
     assert not agent.view(make_state(3)).halted.any()

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from slider.config.robot import Drive, Gains, HipAxes, RobotConfig
+from tests import shared
 from tests.config.composed import CONF, composed
 
 HIP_Y = {"hip_yaw": 0.15, "hip_roll": 0.0, "hip_pitch": 0.0}  # [m]
@@ -34,7 +35,7 @@ def lopsided() -> RobotConfig:
     return replace(robot, capstan=None, geometry=geometry, **changes)
 
 
-@cache
+@shared.shared
 def kneed(name: str = "unitree_h1") -> RobotConfig:
     """A robot of the examples, by default Unitree's H1."""
     return composed(f"robot={CONF.parent}/docs/examples/robots/{name}.yaml").robot

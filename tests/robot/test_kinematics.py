@@ -17,11 +17,9 @@ from slider.robot.kinematics import (
     leg_points,
     quaternion_from_tilt,
     rotation_from_quaternion,
-    standing_height,
     turn_to_heading,
-    yaw_of,
 )
-from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from slider.robot.mjcf import SimulationOptions, build_model
 from tests.config.composed import composed
 from tests.robot.lopsided import kneed, lopsided, turned
 from tests.robot.soled import soled
@@ -42,15 +40,6 @@ def test_the_way_back_and_the_rotation_matrix_agree_for_any_shape():
     matrices = about_z(yaw.ravel())[:, :2, :2]
     expected = np.einsum("nji,nj->ni", matrices, vectors.reshape(-1, 2))
     np.testing.assert_allclose(heading.reshape(-1, 2), expected, atol=1e-15)
-
-
-def test_the_yaw_is_that_of_the_nose_whatever_the_tilt():
-    quaternion = np.random.default_rng(5).standard_normal((20, 4))
-    quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
-    rotation = rotation_from_quaternion(quaternion)
-    nose = turn_to_heading(rotation[:, :, 0], yaw_of(rotation))
-    np.testing.assert_allclose(nose[:, 1], 0.0, atol=1e-14)
-    assert (nose[:, 0] > 0).all()
 
 
 def moving(robot: RobotConfig, seed: int) -> Iterator[tuple[mujoco.MjData, np.ndarray, np.ndarray]]:
@@ -160,15 +149,3 @@ def test_a_leg_with_a_knee_is_at_most_almost_straight(robot):
     joints[: names.LEG_GAIT_JOINTS] = extend_leg(geometry, np.zeros((1, 12)), 0, np.array([1.0]))[0]
     length = np.linalg.norm(leg_of(robot, joints, "left")[0])
     assert length == pytest.approx(0.995 * 0.8, abs=1e-3)
-
-
-@ROBOTS
-def test_standing_height_puts_the_lowest_foot_point_on_the_ground(robot):
-    rng = np.random.default_rng(5)
-    tilt, joints = rng.normal(0, 0.1, (8, 2)), rng.uniform(-0.1, 0.1, (8, 12))
-    rotation = rotation_from_quaternion(quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
-    height = standing_height(robot.geometry, rotation, joints)
-    ends = foot_ends(robot.geometry, rotation, joints)
-    np.testing.assert_allclose(ends[..., 2].min(axis=(1, 2)) + height, 0.0, atol=1e-12)
-    upright = standing_height(robot.geometry, np.eye(3)[None], np.zeros((1, 12)))
-    assert upright[0] == pytest.approx(nominal_qpos(robot)[2])

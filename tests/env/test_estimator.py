@@ -5,7 +5,6 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-import torch
 
 from slider.config.env import OnboardConfig, SensorsConfig
 from slider.env.estimator import Leg, StateEstimator
@@ -159,27 +158,6 @@ def test_a_foot_s_force_is_that_against_which_the_motors_hold_the_leg(robot):
     made.update(reading, STILL, np.zeros(1))
     found = made.update(reading, STILL, np.full(1, 0.02)).foot_forces[0]
     np.testing.assert_allclose(found, [force + Leg.of(robot).mass * GRAVITY, 0.0], rtol=1e-9)
-
-
-@ROBOTS
-def test_tensors_give_what_arrays_give(robot):
-    rng, elapsed = np.random.default_rng(3), np.full(4, 0.02)
-    arrays, tensors = (
-        StateEstimator(ONBOARD.estimator, robot, 4, like) for like in (elapsed, FLOAT64)
-    )
-    for _ in range(5):
-        reading = make_arrays(
-            4,
-            angular_velocity=rng.standard_normal((4, 3)),
-            joint_positions=0.1 * rng.standard_normal((4, NUM_JOINTS)),
-            joint_velocities=rng.standard_normal((4, NUM_JOINTS)),
-            motor_torques=2.0 * rng.standard_normal((4, 10)),
-        )
-        still = np.tile(STILL, (4, 1))
-        expected = arrays.update(reading, still, elapsed)
-        found = tensors.update(reading.tensors(FLOAT64), *map(torch.tensor, (still, elapsed)))
-        for one, other in zip(expected[:3], found[:3], strict=True):
-            np.testing.assert_allclose(other.numpy(), one, atol=1e-12)
 
 
 def scans(sensors: SensorsConfig, kind: str = "slope_up", steps: int = 0) -> tuple[np.ndarray, ...]:

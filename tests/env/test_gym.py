@@ -8,25 +8,20 @@ from gymnasium.utils.env_checker import check_env
 
 from slider.core.errors import UserError
 from slider.env.vec_env import WalkingEnv
-from tests.library.gaits import write_store
+from slider.library.reader import STORE
+from tests.library.gaits import straight
 
 NAME = "slider.gym:slider/Walking-v0"
 STEPS = 60
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    velocities = [(vx, vy) for vx in (0.0, 3.0) for vy in (-0.1, 0.1)]
-    return write_store(tmp_path_factory.mktemp("gaits"), velocities)
-
-
-def test_one_robot_passes_gymnasiums_check(library):
-    env = gymnasium.make(NAME, library=library)
+def test_one_robot_passes_gymnasiums_check():
+    env = gymnasium.make(NAME, library=straight() / STORE)
     check_env(env.unwrapped, skip_render_check=True)
 
 
-def test_many_robots_are_those_of_the_training(library):
-    envs = gymnasium.make_vec(NAME, num_envs=3, library=library)
+def test_many_robots_are_those_of_the_training():
+    envs = gymnasium.make_vec(NAME, num_envs=3, library=straight() / STORE)
     first, _ = envs.reset(seed=7)
     plain = WalkingEnv(envs.unwrapped.task)  # pyright: ignore[reportAttributeAccessIssue]
     np.testing.assert_array_equal(first, plain.get_observations()["policy"])
@@ -47,8 +42,10 @@ def test_many_robots_are_those_of_the_training(library):
     assert fell > 0, "a random agent falls"
 
 
-def test_an_episode_ends_by_its_length_and_starts_again(library):
-    env = gymnasium.make(NAME, library=library, overrides=["train.walking.episode_length=0.1"])
+def test_an_episode_ends_by_its_length_and_starts_again():
+    env = gymnasium.make(
+        NAME, library=straight() / STORE, overrides=["train.walking.episode_length=0.1"]
+    )
     first, _ = env.reset(seed=1)
     ends = []
     for _ in range(5):

@@ -15,6 +15,7 @@ from slider.env.guide import Guide
 from slider.env.interface import FLOAT64
 from slider.env.vec_env import Random, Task, VelocitySampler, WalkingEnv, task_of
 from slider.library.lookup import GaitTable
+from slider.library.reader import STORE
 from tests.env.synthetic import (
     config,
     gait_table,
@@ -22,11 +23,12 @@ from tests.env.synthetic import (
     robot_config,
     turning_library,
 )
-from tests.library.gaits import write_store
+from tests.library.gaits import straight
 
 EXPERIMENTS = ("default", "turning", "robust", "outdoor", "paper", "paper_alive")
+TRAININGS = [(name, "walking") for name in EXPERIMENTS]
+TRAININGS += [("default", "standing"), ("paper", "standing")]
 NUM_ENVS = 6
-DRAWS = 20000
 STILL = torch.zeros(NUM_ENVS, 12)
 
 
@@ -44,8 +46,7 @@ def actions(random: bool, generator: torch.Generator) -> torch.Tensor:
     return 3.0 * random * torch.randn(NUM_ENVS, 12, generator=generator)
 
 
-@pytest.mark.parametrize("training", ["standing", "walking"])
-@pytest.mark.parametrize("experiment", EXPERIMENTS)
+@pytest.mark.parametrize(("experiment", "training"), TRAININGS)
 def test_builds_resets_and_steps(experiment, training):
     whole = config(f"experiment={experiment}")
     train = getattr(whole.train, training)
@@ -209,11 +210,6 @@ def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset(monkeypat
         assert step != 30 or done[2]
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    return write_store(tmp_path_factory.mktemp("library"), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)])
-
-
 @pytest.mark.parametrize("guided", [True, False])
 @pytest.mark.parametrize(
     ("overrides", "times", "reference"),
@@ -223,9 +219,9 @@ def library(tmp_path_factory):
         (["env/phase=none", "env.action.offset=nominal"], None, False),
     ],
 )
-def test_the_task_has_what_the_configuration_asks_for(library, overrides, times, reference, guided):
+def test_the_task_has_what_the_configuration_asks_for(overrides, times, reference, guided):
     whole = config("experiment=test", *overrides)
-    task = task_of(whole.robot, whole.env, whole.train.walking, library, guided)
+    task = task_of(whole.robot, whole.env, whole.train.walking, straight() / STORE, guided)
     found = [part is not None for part in (task.guide, task.reference, task.times)]
     assert found == [guided, reference, times is not None]
     if times is not None:
@@ -258,19 +254,14 @@ def test_terrain_grades_robots_and_slows_them():
     np.testing.assert_array_equal(other.physics.terrain.levels, state)
 
 
-@pytest.fixture
-def rng() -> Random:
-    return Random(0, FLOAT64)
-
-
 def sampler(period: float = 5.0, standing: float = 0.25) -> VelocitySampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
     config = VelocitiesConfig(*ranges, period, standing, uneven=1.0)
     return VelocitySampler(config, control_period=0.02, like=FLOAT64)
 
 
-def test_uniform_within_the_ranges(rng):
-    commands = sampler(standing=0.0).sample(rng, DRAWS).numpy()
+def test_uniform_within_the_ranges():
+    commands = sampler(standing=0.0).sample(Random(0, FLOAT64), 20000).numpy()
     lower, upper = np.array([[0.2, -0.1, -0.5], [3.0, 0.3, 0.5]])
     assert ((commands >= lower) & (commands <= upper)).all()
     width = upper - lower
@@ -280,9 +271,9 @@ def test_uniform_within_the_ranges(rng):
 
 
 @pytest.mark.parametrize(("period", "expected"), [(4.0, 5.0), (0.0, 0.0)])
-def test_rate_of_change(rng, period, expected):
+def test_rate_of_change(period, expected):
     """In 20 s; never, at a period of zero."""
-    changing, counts = sampler(period).changing, np.zeros(500)
+    changing, counts, rng = sampler(period).changing, np.zeros(500), Random(0, FLOAT64)
     for _ in range(1000):
         counts[changing(rng, 500)] += 1
     assert counts.mean() == pytest.approx(expected, rel=0.05)

@@ -11,6 +11,7 @@ from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
+from tests import shared
 from tests.config.composed import composed
 
 SAMPLES, HALF = 42, 21
@@ -87,3 +88,9 @@ def write_store(folder: Path, velocities: Velocities, holes: Velocities = ()) ->
 
 def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> GaitLibrary:
     return GaitLibrary.load(write_store(folder, velocities, holes))
+
+
+@shared.shared
+def straight() -> Path:
+    """Object folder of such a library straight ahead: do not change it."""
+    return write_store(shared.new_folder(), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)]).parent

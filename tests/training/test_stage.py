@@ -1,7 +1,5 @@
 """The stages train with what they are given: library, standing policy, both or neither."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.training.trainer import run_walking
 from tests.env.synthetic import config
-from tests.library.gaits import write_store
+from tests.library.gaits import straight
 from tests.training.test_trainer import TINY, same
 
 ALONE = (
@@ -38,12 +36,6 @@ def section(*overrides: str) -> Section:
     return {"robot": robot, "env": to_dict(whole.env), "train": to_dict(whole.train.walking)}
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("library")
-    return write_store(folder, [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)]).parent
-
-
 def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
@@ -56,12 +48,12 @@ def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     )
 
 
-def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
+def test_a_fine_tuning_goes_on_from_a_walking_policy(tmp_path):
     """Without an iteration of its own it hands the policy on; with one it learns."""
     folders = {name: tmp_path / name for name in ("walking", "same", "tuned")}
     for folder in folders.values():
         folder.mkdir()
-    inputs = {"library": [library]}
+    inputs = {"library": [straight()]}
     run_walking(section("train.walking.iterations=1"), inputs, folders["walking"], Job(tmp_path))
     inputs["start"] = [folders["walking"]]
     for name, iterations in {"same": 0, "tuned": 1}.items():

@@ -16,7 +16,7 @@ from slider.library.reader import STORE
 from slider.training.selection import Selector
 from slider.training.trainer import run_walking
 from tests.env.synthetic import config
-from tests.library.gaits import write_store
+from tests.library.gaits import straight
 from tests.training.test_stage import section
 from tests.training.test_trainer import TINY
 
@@ -54,7 +54,7 @@ def test_a_policy_of_warp_survives_a_kill_and_is_evaluated_as_any_other(tmp_path
         return real(env, actions)
 
     monkeypatch.setattr(WalkingEnv, "step", step)
-    inputs = {"library": [write_store(tmp_path / "library", [(0.0, 0.0), (0.5, 0.0)]).parent]}
+    inputs = {"library": [straight()]}
     whole, *_ = train(tmp_path / "whole", inputs)
     with pytest.raises(KeyboardInterrupt):
         train(tmp_path / "killed", inputs)

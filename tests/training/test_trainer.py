@@ -44,7 +44,6 @@ TINY = (
 ROUGH = ("train/walking/disturbance=robust", "train.walking.sensing=onboard")
 # Trainings that must not depend on a kill: where they are configured, and what else.
 KINDS = {
-    "standing": ("train.standing", ()),
     "walking": ("train.walking", ROUGH),
     "terrain": ("finetuning", ("finetuning=outdoor",)),
 }
@@ -79,8 +78,7 @@ def of_kind(kind: str) -> Task:
     whole, table = config(*TINY, *overrides, *tiny), gait_table()
     train = whole.trainings[training]
     env = replace(whole.env, sensing=train.sensing)
-    guide = None if kind == "standing" else make_guide()
-    return Task(whole.robot, env, train, table.times, guide, table.joints)
+    return Task(whole.robot, env, train, table.times, make_guide(), table.joints)
 
 
 def job(work: Path, threads: int = 1) -> Job:

@@ -14,7 +14,6 @@ import torch
 import yaml
 from pydantic import TypeAdapter
 
-from pipeline.entry import open_pipeline
 from slider.control.layout import describe
 from slider.core.errors import UserError
 from slider.env import observations, rewards, terminations
@@ -27,17 +26,14 @@ from tests.env.synthetic import config, make_guide, make_state, make_view, rando
 from tests.env.test_vec_env import NUM_ENVS, actions, build
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
-REWARDS = sorted(path.stem for path in (CONF / "train" / "walking" / "reward").glob("*.yaml"))
 
 
 @cache
 def params() -> dict[str, dict[str, float]]:
-    """Parameters of each reward term, those of a configuration that has it."""
+    """Parameters of each reward term, those of the configuration with most terms if it has it."""
     found = {name: dict.fromkeys(term.parameters, 1.0) for name, term in rewards.TERMS.items()}
-    for reward in REWARDS:
-        terms = config(f"train/walking/reward={reward}").train.walking.reward.terms
-        found |= {name: term.params for name, term in terms.items()}
-    return found
+    terms = config("train/walking/reward=clf").train.walking.reward.terms
+    return found | {name: term.params for name, term in terms.items()}
 
 
 @pytest.fixture
@@ -129,18 +125,6 @@ def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
 )
 def test_every_mistake_is_one_line(override, message, refused):
     assert message in refused("config", override, "--conf", str(CONF))
-
-
-def test_no_plan_is_laid_out_with_a_mistake_in_a_variant(capsys, tmp_path, monkeypatch):
-    variant = """'study.ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'"""
-    overrides = f"report.sections=[ablation] study.ablation.run=[default] {variant}"
-    expected = "slider: study.ablation.variants.default: env.observation.terms: expected some of"
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit):
-        open_pipeline({"hydra": overrides}, CONF)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(expected)
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_term_that_counts_needs_its_clock_and_its_library():

@@ -182,6 +182,10 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
     [
         ("ablation.metrics=[cost]", "study.ablation.metrics: expected one of success_rate, "),
         ("ablation.variants.default.overrides=['a=1']", "study.ablation.variants.default: unknown"),
+        (
+            "ablation.variants.default.overrides=['+env.observation.terms.nose=1.0']",
+            "study.ablation.variants.default: env.observation.terms: expected some of",
+        ),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         (
             "sensitivity.scaling={change: 0.2, provenance: [measured], parameters: []}",

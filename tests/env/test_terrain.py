@@ -29,7 +29,6 @@ from tests.env.synthetic import (
 
 COUNT = 12
 KINDS = tuple(kind for kind in get_args(TerrainKind) if kind != "flat")
-EVERY = np.arange(COUNT)
 
 
 def on(*kinds: str, level: float = 5.0, more: tuple[str, ...] = (), **ends: float):

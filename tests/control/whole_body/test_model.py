@@ -15,11 +15,6 @@ def nominal() -> NominalModel:
     return NominalModel(robot_config())
 
 
-@pytest.fixture
-def poses() -> tuple[np.ndarray, np.ndarray]:
-    return random_pose(np.random.default_rng(3), 4)
-
-
 def moved(nominal: NominalModel, qpos: np.ndarray, qvel: np.ndarray, time: float) -> np.ndarray:
     """Positions after ``time`` at constant generalised velocity: q̈ = 0."""
     result = qpos.copy()
@@ -58,7 +53,8 @@ def test_terms_of_many_robots_are_mujocos_of_each(nominal, count):
             np.testing.assert_allclose(found.foot_bias[i, leg], rate @ qvel[i], rtol=0, atol=1e-11)
 
 
-def test_com_and_its_bias_are_those_of_differences_without_joint_acceleration(nominal, poses):
+def test_com_and_its_bias_are_those_of_differences_without_joint_acceleration(nominal):
+    poses = random_pose(np.random.default_rng(3), 4)
     dynamics = nominal.evaluate(*poses)
     data, jacobian = mujoco.MjData(nominal.model), np.zeros((3, 18))
     for i in range(4):

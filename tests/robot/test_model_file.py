@@ -781,7 +781,7 @@ def test_an_example_with_soles(name, first, foot, weak, capsys):
     assert ("remark: hip_roll cannot hold the robot on one leg" in said) is weak
 
 
-@pytest.mark.parametrize("name", ["bruce", "fourier_gr3", "limx_tron1"])
+@pytest.mark.parametrize("name", ["bruce", "limx_tron1"])
 def test_an_example_weighs_what_its_model_does(name):
     """Links that the machine lacks weigh 1 g."""
     folder = CONF.parent / "docs/examples/robots" / name

@@ -147,7 +147,7 @@ class FormulationConfig(t.Group):
     dynamics: Literal["prismatic", "knee"]
     """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
     cost: Literal["paper", "transport"]
-    """paper: eq. 2 as printed; transport: mean |power| / (m g)"""
+    """paper: eq. 2 as read in docs/paper.md; transport: mean |power| / (m g)"""
     voltage: t.Positive[t.Share]
     """share of the bus that motors may use at the nodes; the rest is for between them"""
     touchdown: Annotated[Touchdown, t.ordered("down_min", "down_max")]

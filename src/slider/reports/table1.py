@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from slider.config.control import POLICY
 from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import decimals, speed_text
@@ -44,9 +45,8 @@ _CAPTION = (
     "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
     "rate. Errors are those of robots that survive."
 )
-_LITERAL = (
-    " The target `reports/baselines.csv` has the MPC with the settings of the lab's public code."
-)
+_SEED = " The policy is of one training; the target `reports/seeds.csv` has the range over seeds."
+_LITERAL = " The target `reports/baselines.csv` has the MPC with its literal settings."
 _PAPERS = (
     " The paper states one MSE and not whether the start counts: it stands beside both of ours."
 )
@@ -59,6 +59,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     ours = report.results(evaluations, inputs.get("library", ()))
     if robot == PAPER_ROBOT:
         caption += _PAPERS
+    if POLICY in set(ours["controller"]):
+        caption += _SEED
     if "mpc_wbc_literal" not in set(ours["controller"]):
         caption += _LITERAL
     rows = ours if robot != PAPER_ROBOT else pd.concat([ours, paper_rows()], ignore_index=True)

@@ -3,13 +3,15 @@
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
+from typing import Any
 
 import numpy as np
 
+from pipeline.stages.gaits import library_job, stability_jobs
 from slider.config.hzd import HzdConfig
 from slider.core.arrays import take
 from slider.core.job import Job
+from slider.hzd import stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.step import ClosedLoop
@@ -103,14 +105,33 @@ def whole(gait: int) -> WholeMap:
     return WholeMap(landed[..., :STATE], landed[..., STATE:], np.linalg.solve(now, future))
 
 
+HOLE = (0.9, 0.0, 0.0)
+
+
+def place(
+    out: Path, *velocities: tuple[float, float, float], store: Path | None = None, **changes: Any
+) -> list[str]:
+    """What a job of foot placement says; ``changes`` are those of ``hzd``."""
+    (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
+    section = {**spec.section, "velocities": [list(v) for v in velocities]}
+    section["hzd"] = spec.section["hzd"] | changes
+    said: list[str] = []
+    inputs = {"library": [store or folder()]}
+    stage.run_gaits(section, inputs, out, Job(out, progress=said.append))
+    return said
+
+
+@shared.shared
+def chunk() -> Path:
+    """Object folder of the foot placement of both gaits, the faster one first, and of a hole."""
+    out = shared.new_folder()
+    assert place(out, *VELOCITIES[::-1], HOLE) == []
+    return out
+
+
 @shared.shared
 def placement_folder() -> Path:
     """Object folder of the library's foot placement."""
-    from pipeline.stages.gaits import library_job, stability_jobs
-    from slider.hzd import stage
-
-    out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
-    (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
-    velocities = {"velocities": [list(velocity) for velocity in VELOCITIES]}
-    stage.run_gaits(spec.section | velocities, {"library": [folder()]}, out, Job(out))
+    out = shared.new_folder()
+    stage.collect_placement({}, {"library": [folder()], "gaits": [chunk()]}, out, Job(out))
     return out

@@ -3,55 +3,25 @@
 import csv
 import shutil
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 import zarr
 
-from pipeline.stages.gaits import stability_jobs
-from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import Code
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd import walk
 from slider.hzd.gains import FootPlacement
 from slider.hzd.stability import CSV, MARKDOWN, QUANTITIES, records, run
-from slider.hzd.stage import collect_placement, run_gaits
+from slider.hzd.stage import collect_placement
 from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
 from tests.gait.gaits import config
-from tests.hzd.sample import CLOCK, HIP, VELOCITIES, folder, library, steps
-
-HOLE = (0.9, 0.0, 0.0)
+from tests.hzd.sample import CLOCK, HIP, HOLE, VELOCITIES, chunk, folder, library, place, steps
 
 
-def jobs() -> dict[str, JobSpec]:
-    code = Code("", "", {})
-    solves = [JobSpec("gait", "", code, {"velocity": list(v)}) for v in [*VELOCITIES, HOLE]]
-    return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
-
-
-def placed(out: Path, *velocities: tuple[float, float, float], **changes) -> list[str]:
-    """What a job of foot placement says."""
-    (spec,) = jobs()["foot_placement"].inputs["gaits"]
-    section = {**spec.section, "velocities": [list(v) for v in velocities]}
-    section["hzd"] = spec.section["hzd"] | changes
-    said = []
-    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append))
-    return said
-
-
-@pytest.fixture(scope="module")
-def chunk(tmp_path_factory) -> Path:
-    """Of both gaits, the faster one first, and of a hole."""
-    out = tmp_path_factory.mktemp("chunk")
-    assert placed(out, *VELOCITIES[::-1], HOLE) == []
-    return out
-
-
-def test_records_hold_every_quantity(chunk):
-    record, _ = records(library(), chunk)
+def test_records_hold_every_quantity():
+    record, _ = records(library(), chunk())
     assert {*QUANTITIES, *VELOCITY} == record.keys()
     assert (record["vx"], record["vy"], record["phase"]) == (0.6, 0.1, "hip")
     assert record["closed_spectral_radius"] < 0.6 < 1.4 < record["spectral_radius"]
@@ -64,10 +34,10 @@ def test_records_hold_every_quantity(chunk):
     assert record["decoupling"] > config().gait.decoupling_min
 
 
-def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
+def test_tables_are_in_the_order_of_the_library(tmp_path):
     with pytest.raises(UserError, match=r"expected velocities.npy of the foot placement"):
         FootPlacement.load(tmp_path)
-    collect_placement({}, {"library": [folder()], "gaits": [chunk]}, tmp_path, Job(tmp_path))
+    collect_placement({}, {"library": [folder()], "gaits": [chunk()]}, tmp_path, Job(tmp_path))
     found = FootPlacement.load(tmp_path)
     np.testing.assert_array_equal(found.velocities, library().velocities)
     assert found.clock.tolist() == [True, False]
@@ -77,14 +47,14 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     by_clock = found.gains[CLOCK, ..., :3]
     np.testing.assert_array_equal(by_clock[by_time], by_clock[by_hip])
     assert not found.gains[:, by_hip, ..., 3].any()
-    np.testing.assert_array_equal(found.gains[::-1], FootPlacement.load(chunk).gains)
+    np.testing.assert_array_equal(found.gains[::-1], FootPlacement.load(chunk()).gains)
     np.testing.assert_allclose(found.gains[HIP, by_hip, :, 0, 1, 0], -2.1, atol=0.3)
     np.testing.assert_array_equal(found.placement[:, 1], steps()[1].placement)
     np.testing.assert_array_equal(found.hip[:, 0, :, 1:2], steps()[0].hip.slopes)
 
 
-def test_the_table_has_a_line_per_gait(chunk, tmp_path):
-    inputs = {"library": [folder()], "gaits": [chunk]}
+def test_the_table_has_a_line_per_gait(tmp_path):
+    inputs = {"library": [folder()], "gaits": [chunk()]}
     assert run({}, inputs, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
     rows = list(csv.DictReader((tmp_path / CSV).read_text().splitlines()))
     assert [tuple(float(row[name]) for name in VELOCITY) for row in rows] == VELOCITIES
@@ -93,19 +63,19 @@ def test_the_table_has_a_line_per_gait(chunk, tmp_path):
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
 
 
-def test_a_job_of_holes_has_tables_of_no_gaits(chunk, tmp_path):
-    assert placed(tmp_path, HOLE) == []
+def test_a_job_of_holes_has_tables_of_no_gaits(tmp_path):
+    assert place(tmp_path, HOLE) == []
     assert len(FootPlacement.load(tmp_path).velocities) == 0
     out = tmp_path / "whole"
     out.mkdir()
-    inputs = {"library": [folder()], "gaits": [tmp_path, chunk]}
+    inputs = {"library": [folder()], "gaits": [tmp_path, chunk()]}
     assert collect_placement({}, inputs, out, Job(out)) == {"gaits": 2}
     assert records(library(), tmp_path) == []
 
 
 def test_a_gait_without_limit_cycle_has_the_gaits_own_footholds_and_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(walk, "limit_cycles", partial(limit_cycles, rounds=2))  # 20 find none, too
-    said = placed(
+    said = place(
         tmp_path, VELOCITIES[CLOCK], linearisation={"difference": 1e-5, "tolerance": 1e-300}
     )
     expected = "gait (0.2, 0) m/s: no foot placement by time: expected a limit cycle, found none"
@@ -119,6 +89,5 @@ def test_gaits_of_the_virtual_knee_are_refused(tmp_path):
     copy = tmp_path / "library"
     shutil.copytree(folder(), copy)
     zarr.open_group(copy / "library.zarr", mode="a").attrs["dynamics"] = "knee"
-    (spec,) = jobs()["foot_placement"].inputs["gaits"]
     with pytest.raises(UserError, match=r"expected gaits of the prismatic leg .* found knee"):
-        run_gaits(spec.section, {"library": [copy]}, tmp_path, Job(tmp_path))
+        place(tmp_path, *VELOCITIES, store=copy)

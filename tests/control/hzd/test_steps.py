@@ -23,10 +23,7 @@ from tests.hzd.sample import CLOCK, HIP, VELOCITIES, library, settings, zero
 COUNT = 2
 ROBOTS = np.arange(COUNT)
 TICK = 0.005  # [s]
-
-
-def control(**changes) -> HzdControlConfig:
-    return replace(config().control["hzd"], **changes)
+CONTROL = config().control["hzd"]
 
 
 @cache
@@ -47,7 +44,7 @@ def walking(
 
     The list gets the velocities at which gaits are read.
     """
-    settings, recorded, read = settings or control(), copy(gaits()), []
+    settings, recorded, read = settings or CONTROL, copy(gaits()), []
     recorded.at = lambda at, stance: read.append(at.copy()) or gaits().at(at, stance)
     plant = PlantModel(robot_config(), settings, settings.descent, TICK)
     steps = HzdSteps(robot_config(), settings, recorded, plant)
@@ -62,7 +59,7 @@ def walking(
 @pytest.mark.parametrize("contact", [True, False])
 def test_a_step_ends_at_a_contact_that_is_not_early_or_late_without_one(contact):
     steps, memory, _ = walking((0.2, 0.0, 0.0))
-    duration, step = memory.duration[0], control().step
+    duration, step = memory.duration[0], CONTROL.step
     expected = step.early * duration if contact else duration + step.late
     flags, dynamics, ticks = np.full(COUNT, contact), standing(), 0
     while not steps.end(memory, ROBOTS, flags).any():
@@ -75,7 +72,7 @@ def test_a_step_ends_at_a_contact_that_is_not_early_or_late_without_one(contact)
 
 def test_a_step_ends_where_its_phase_is_stuck():
     steps, memory, _ = walking((0.2, 0.0, 0.0))
-    memory.elapsed[:] = np.array([0.99, 1.01]) * memory.duration[0] / control().hip_rate.lower
+    memory.elapsed[:] = np.array([0.99, 1.01]) * memory.duration[0] / CONTROL.hip_rate.lower
     assert steps.end(memory, ROBOTS, np.zeros(COUNT, bool)).tolist() == [False, True]
 
 
@@ -104,9 +101,9 @@ def next_velocity(planned: tuple[float, float, float], last: float, turned: floa
     ],
 )
 def test_the_next_gait_is_not_far_from_the_last_step(last, planned, bound):
-    change = control().change
+    change = CONTROL.change
     most = {None: 1.0, "faster": change.faster, "slower": change.slower}[bound]
-    expected = min(last + np.clip(planned - last, -most, most), control().fastest)
+    expected = min(last + np.clip(planned - last, -most, most), CONTROL.fastest)
     for yaw_rate in (0.0, 0.3):
         velocity = next_velocity((planned, 0.0, yaw_rate), last, 0.4 * yaw_rate)
         np.testing.assert_allclose(velocity[:2], [expected, 0.0], atol=1e-9)
@@ -114,7 +111,7 @@ def test_the_next_gait_is_not_far_from_the_last_step(last, planned, bound):
 
 @pytest.mark.parametrize(("reachable", "moves"), [(0.9, True), (0.1, False)])
 def test_the_integral_action_waits_while_the_gait_is_bounded(reachable, moves):
-    change = replace(control().change, faster=reachable, slower=reachable)
+    change = replace(CONTROL.change, faster=reachable, slower=reachable)
     steps, memory, _ = walking((0.4, 0.0, 0.0), replace(integrating(), change=change))
     memory.steps[:], memory.walked[:] = 5, 20.0
     memory.starts[:] = [[-0.2, 0.0, 19.2], [0.0, 0.0, 19.6]]
@@ -132,7 +129,7 @@ def test_a_straight_gait_turns_with_the_commanded_yaw_rate(side, sign):
 
 def test_the_yaw_rate_of_a_walk_grows_to_another_command():
     steps, memory, _ = walking((0.0, 0.0, 0.3))
-    most, dynamics = control().yaw_acceleration * TICK, standing()
+    most, dynamics = CONTROL.yaw_acceleration * TICK, standing()
     velocities = np.array([(0.0, 0.0, -0.3), (0.0, 0.0, 0.0)])
     steps.set_velocity(memory, velocities)
     np.testing.assert_allclose(memory.velocity[:, 2], [0.3, 0.0])  # to stand: at once

@@ -118,6 +118,8 @@ def _variants(
     for path in scaling.parameters:
         require(bool(choose(items, tags, [path])), f"{key}.scaling.parameters", expected, path)
     for item in choose(items, tags, scaling.parameters):
+        if not any(item.value):
+            continue  # no factor changes zero
         for factor in (round(1 + sign * scaling.change, 10) for sign in (-1, 1)):
             yield _scaled(config, item.path, item.value, factor)
 
@@ -127,8 +129,6 @@ def _scaled(config: Config, path: str, value: Sequence[float], factor: float) ->
     text = ",".join(f"{number * factor:.6g}" for number in value)
     changes = f"robot.{path}={f'[{text}]' if len(value) > 1 else text}"
     variant = Variant(f"{path}*{factor:g}", f"{path} × {factor:g}", changes)
-    if not any(value):
-        return replace(variant, note="zero, which no factor changes")
     try:
         changed = replace(config, robot=scaled(config.robot, path, factor))
         validate(changed)

@@ -99,12 +99,12 @@ def everything() -> JobSpec:
     return study("sensitivity", "study.sensitivity.scaling.parameters=[]")
 
 
-def test_every_assumed_number_has_two_variants_and_zeros_have_no_job(everything):
+def test_every_assumed_number_has_two_variants_but_zeros(everything):
     assumed = choose(parameters(composed(TEST).robot), ["assumed"], [])
+    varied = [item for item in assumed if any(item.value)]
+    assert len(varied) < len(assumed)
     names, _, changes, notes = zip(*everything.section["variants"][1:], strict=True)
-    assert [*names] == [f"{item.path}*{factor}" for item in assumed for factor in (0.8, 1.2)]
-    zeros = {name.partition("*")[0] for name, note in zip(names, notes, strict=True) if note}
-    assert zeros >= {item.path for item in assumed if not any(item.value)}
+    assert [*names] == [f"{item.path}*{factor}" for item in varied for factor in (0.8, 1.2)]
     evaluated = {key[0] for key in keyed(everything, "evaluations")}
     assert evaluated == {"nominal", *(n for n, note in zip(names, notes, strict=True) if not note)}
     assert "robot.links.base.inertia=[0.036,0.0216,0.0336]" in changes

@@ -11,7 +11,7 @@ from scipy import stats
 from slider.core.job import Job
 from slider.evaluation.results import wilson
 from slider.gait import REPORT
-from slider.reports.study import SHOWN, run, strongest, summarise
+from slider.reports.study import ALL, SHOWN, run, strongest, summarise
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
 
@@ -210,7 +210,7 @@ def test_starts_are_judged_by_the_library_s_criterion_and_grouped_by_cost(gaits)
 
 
 def test_of_many_variants_those_that_change_most_are_shown():
-    names = [f"v{index}" for index in range(SHOWN + 10)]
+    names = [f"v{index}" for index in range(ALL + 1)]
     costs = [0.0, *(0.01 * (-1) ** i * i for i in range(1, len(names)))]
     runs = pd.DataFrame({"variant": names, "seed": "", "speed": 0.4, "cost_change": costs})
     variants = [*([name, name, "", ""] for name in names), ["x", "x", "", "not built"]]

@@ -26,8 +26,8 @@ from slider.training.results import Training
 
 WALKS = 0.95
 """Share of robots that survive a check of a policy that has learned to walk."""
-SHOWN = 40
-"""Variants in the tables; of more those with the greatest changes."""
+ALL, SHOWN = 40, 12
+"""Variants up to which all are in the tables; of more, those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (
     *("count", "mean", "std", "least", "greatest", "low", "high"),
@@ -201,7 +201,7 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
 def strongest(summary: pd.DataFrame) -> pd.DataFrame:
     """The reference, the variants whose shares [%] change most, ``SHOWN`` in all, and all notes."""
     names = summary.loc[summary["metric"].notna(), "variant"].drop_duplicates()
-    if len(names) <= SHOWN:
+    if len(names) <= ALL:
         return summary
     shares = summary["metric"].isin(name for name, metric in QUANTITIES.items() if metric.share)
     size = summary["change"].where(shares).abs().groupby(summary["variant"]).max()

@@ -26,7 +26,7 @@ from slider.training.results import Training
 
 WALKS = 0.95
 """Share of robots that survive a check of a policy that has learned to walk."""
-ALL, SHOWN = 40, 12
+ALL, SHOWN = 40, 16
 """Variants up to which all are in the tables; of more, those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (

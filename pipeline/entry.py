@@ -8,12 +8,14 @@ import signal
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from types import FrameType
 from typing import Any
+
+import psutil
 
 from pipeline import private
 from pipeline.stages.page import with_renderer
@@ -156,7 +158,7 @@ class Pipeline:
         On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
         of the head. SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
         """
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        signal.signal(signal.SIGTERM, _end_jobs)
         private.pass_on(workflow, PLAN, self.plan_path)
         for recipe in private.forced_recipes(workflow):  # to compute anew, not to reuse
             job = self.plan.jobs[recipe]
@@ -198,6 +200,14 @@ def end_as_by_ctrl_c() -> None:
             signal.signal(number, signal.default_int_handler)
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt_once)
+
+
+def _end_jobs(number: int, frame: FrameType | None) -> None:
+    """Let the signal reach running jobs, as Ctrl-C in a terminal reaches them."""
+    for child in psutil.Process().children(recursive=True):
+        with suppress(psutil.Error):
+            child.send_signal(number)
+    raise KeyboardInterrupt
 
 
 def _interrupt_once(number: int, frame: FrameType | None) -> None:

@@ -59,13 +59,15 @@ def test_a_killed_job_and_head_leave_nothing_and_are_resumed(workspace):
 
 
 def test_a_pipeline_whose_job_a_signal_ends_fails_in_one_line_and_goes_on(workspace):
-    """By the system where memory runs out, by Ctrl-C, by a closed terminal."""
-    for number in ("SIGKILL", "SIGINT", "SIGHUP"):
+    """By the system where memory runs out, by Ctrl-C, by a closed terminal, by `kill`."""
+    for number in ("SIGKILL", "SIGINT", "SIGHUP", "SIGTERM"):
         (workspace.folder / WAIT).touch()
         head = workspace.start(TABLE, hydra=LONGER)
         job = workspace.wait_for_job("walking")
         if number == "SIGKILL":
             os.kill(job, signal.SIGKILL)
+        elif number == "SIGTERM":  # of the head alone
+            head.terminate()
         else:
             os.killpg(head.pid, signal.Signals[number])
         if number == "SIGINT":  # once more while Snakemake tidies up

@@ -20,12 +20,8 @@ RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of the
 
 
 class StepConfig(t.Group, kw_only=True):
-    """Steps."""
+    """Ends of steps."""
 
-    time: t.Positive[t.Seconds]
-    """nominal duration; of the entry's orbit where gaits have their own"""
-    width: t.Positive[t.Metres]
-    """lateral distance of the feet, likewise"""
     early: t.Share
     """share of the duration before which a contact does not end the step"""
     late: t.Seconds
@@ -35,6 +31,10 @@ class StepConfig(t.Group, kw_only=True):
 class PlannedStepConfig(StepConfig, kw_only=True):
     """Steps of the footstep planner."""
 
+    time: t.Positive[t.Seconds]
+    """nominal duration"""
+    width: t.Positive[t.Metres]
+    """lateral distance of the feet"""
     time_per_speed: Annotated[t.NonNegative[t.Number], t.Unit("s²/m")] = 0.0
     """growth of the nominal duration with the forward reference speed"""
     time_min: t.Positive[t.Seconds]
@@ -104,7 +104,7 @@ class EntryConfig(t.Group):
     patience: t.Seconds
     """a sway that has not reached the orbit this long after its end is repeated"""
     tolerance: t.NonNegative[t.Metres]
-    """allowed lack of orbital energy, as a length"""
+    """how far beyond its orbit the first step may end sideways"""
     speed_tolerance: t.NonNegative[t.MetresPerSecond]
     """largest forward speed off the reference at the exit"""
     push: t.NonNegative[t.Metres]
@@ -170,6 +170,9 @@ class ModelBasedConfig(t.Group, kw_only=True):
 
     substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control tick"""
+    height: t.Positive[t.Factor] = 1.0
+    """of the pendulum, as a share of the centre of mass's height in the nominal pose: straight knees
+    end a step"""
     step: StepConfig
     velocity: VelocityConfig
     entry: EntryConfig

@@ -11,7 +11,7 @@ from slider.config.control import MpcConfig, SwingConfig
 from slider.config.robot import RobotConfig
 from slider.control.footsteps import FootstepPlanner, Pendulum
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
-from slider.control.whole_body.memory import LEFT, Memory
+from slider.control.whole_body.memory import LEFT, Memory, Orbit
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import ReferenceVelocity, quintic
@@ -47,6 +47,11 @@ class MpcSteps(Stepping):
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
         self._velocity.change(memory, velocity)
+
+    def orbit(self, velocity: np.ndarray) -> Orbit:
+        """Sideways orbits of first steps towards velocities (n, 3)."""
+        width = np.full(len(velocity), self._config.step.width)
+        return Orbit(width, self._planner.nominal_time(np.zeros_like(velocity)))
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray

@@ -7,12 +7,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from slider.control.whole_body import references
+from slider.control.whole_body.memory import Orbit
 from slider.control.whole_body.references import Entry, quintic
 from tests.env.synthetic import config
 
 OMEGA = references.natural_frequency(0.65)
 TUNED = config().control["mpc_wbc_tuned"]
 MIDDLE, REACH = np.zeros((1, 2)), 0.085
+APART, STEP = 0.1, TUNED.step  # half of the distance of the feet [m]
+FEET = np.array([[[0.0, APART], [0.0, -APART]]])
 
 
 @pytest.mark.parametrize("state", [(0.1, -0.3), (-0.12, 0.7)])
@@ -20,15 +23,6 @@ def test_step_map_is_the_integral_of_the_pendulum(state):
     found = references.step_map(OMEGA, 0.37) @ state
     path = solve_ivp(lambda t, x: [x[1], OMEGA**2 * x[0]], (0, 0.37), state, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(found, path.y[:, -1], rtol=1e-8)
-
-
-def test_orbital_energy_is_conserved_and_negative_where_the_pendulum_turns_back():
-    state = np.array([-0.1, references.lateral_end_velocity(OMEGA, 0.4, 0.2)])
-    later = references.step_map(OMEGA, 0.3) @ state
-    energy = references.orbital_energy(OMEGA, state)
-    assert references.orbital_energy(OMEGA, later) == pytest.approx(energy, rel=1e-12)
-    assert energy < 0
-    assert references.orbital_energy(OMEGA, np.array([-0.1, 0.5])) > 0
 
 
 def test_quintic_meets_its_ends_and_its_rates_are_derivatives():
@@ -44,28 +38,41 @@ def test_quintic_meets_its_ends_and_its_rates_are_derivatives():
 
 
 def entry(**changes) -> Entry:
-    return Entry(TUNED.step, replace(TUNED.entry, **changes), OMEGA, REACH)
+    return Entry(replace(TUNED.entry, **changes), OMEGA, REACH)
 
 
-def begin(case: Entry, side: float = 1.0, speed: float = 0.0, elapsed: float = 0.0):
-    sway = case.begin(MIDDLE, np.zeros((1, 2)), np.array([side]), np.array([speed]))
+def begin(
+    case: Entry,
+    side: float = 1.0,
+    speed: float = 0.0,
+    elapsed: float = 0.0,
+    width: float = STEP.width,
+):
+    orbit = Orbit(np.array([width]), np.array([STEP.time]))
+    sway = case.begin(FEET, MIDDLE, np.array([side]), np.array([speed]), orbit)
     sway.elapsed[:] = elapsed
     return sway
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_ends_in_the_middle_with_the_orbits_speed_towards_the_stance_foot(side):
+@pytest.mark.parametrize("width", [2 * APART, 0.3, 0.15])
+def test_a_step_from_the_middle_ends_as_far_from_its_foot_as_the_orbits_steps(side, width):
     case = entry()
-    reference = case.reference(begin(case, side, elapsed=TUNED.entry.duration))
-    speed = references.lateral_end_velocity(OMEGA, TUNED.step.time, TUNED.step.width)
-    np.testing.assert_allclose(reference[0, 1], [0.0, side * speed, 0.0], atol=1e-12)
+    reference = case.reference(begin(case, side, elapsed=TUNED.entry.duration, width=width))
+    place, speed, _ = side * reference[0, 1]
+    assert place == pytest.approx(0.0, abs=1e-12)
+    end = references.step_map(OMEGA, STEP.time) @ [place - APART, speed]
+    assert end[0] == pytest.approx(-width / 2)
+    if width == 2 * APART:  # the feet are as far apart as in the orbit
+        expected = references.lateral_end_velocity(OMEGA, STEP.time, width)
+        assert speed == pytest.approx(float(expected))
 
 
 def test_pushes_forward_as_a_pendulum_does_and_never_beyond_the_foot():
     case, duration = entry(push=0.08), TUNED.entry.duration
     slow = case.reference(begin(case, speed=0.2, elapsed=duration))[0, 0]
-    after_a_step = references.step_map(OMEGA, TUNED.step.time) @ slow[:2]
-    expected = references.forward_end_velocity(OMEGA, TUNED.step.time, np.array(0.2))
+    after_a_step = references.step_map(OMEGA, STEP.time) @ slow[:2]
+    expected = references.forward_end_velocity(OMEGA, STEP.time, np.array(0.2))
     assert after_a_step[1] == pytest.approx(float(expected))
     fast = case.reference(begin(case, speed=3.0, elapsed=duration))[0, 0]
     state = references.step_map(OMEGA, duration) @ [0.08, 0.0]
@@ -76,10 +83,10 @@ def test_pushes_forward_as_a_pendulum_does_and_never_beyond_the_foot():
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_leaves_when_the_pendulum_has_the_energy_and_the_direction(side):
-    case, foot = entry(tolerance=0.0), np.array([[0.0, side * TUNED.step.width / 2]])
-    sway = begin(case, side, elapsed=0.9 * TUNED.entry.duration)
-    speed = references.lateral_end_velocity(OMEGA, TUNED.step.time, TUNED.step.width)
+def test_leaves_when_a_step_leads_into_the_orbit(side):
+    case, foot = entry(tolerance=0.0), np.array([[0.0, side * APART]])
+    sway = begin(case, side, elapsed=0.9 * TUNED.entry.duration, width=2 * APART)
+    speed = references.lateral_end_velocity(OMEGA, STEP.time, 2 * APART)
 
     def done(velocity: float, forward: float = 0.0) -> bool:
         return bool(case.done(sway, MIDDLE, np.array([[forward, side * velocity]]), foot)[0])

@@ -14,7 +14,18 @@ import numpy as np
 
 from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY, WALK, Memory, Sway
+from slider.control.whole_body.memory import (
+    FEET,
+    LEFT,
+    OFF,
+    RIGHT,
+    STAND,
+    SWAY,
+    WALK,
+    Memory,
+    Orbit,
+    Sway,
+)
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import Entry, natural_frequency
@@ -35,6 +46,10 @@ class Stepping(Protocol):
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
+
+    def orbit(self, velocity: np.ndarray) -> Orbit:
+        """Sideways orbits of first steps towards velocities (n, 3)."""
+        ...
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
@@ -65,11 +80,11 @@ class PlantModel:
     ) -> None:
         self.period = period
         self.model = NominalModel(robot)
-        self.omega = natural_frequency(self.model.nominal_height)
+        height = config.height * self.model.nominal_height
+        self.omega = natural_frequency(height)
         self.reach = min(robot.geometry.heel, robot.geometry.toe)
-        height = self.model.nominal_height
         self.body = BodyControl(robot, config.whole_body, search, height)
-        self.entry = Entry(config.step, config.entry, self.omega, self.reach)
+        self.entry = Entry(config.entry, self.omega, self.reach)
 
 
 class WalkingController:
@@ -158,11 +173,14 @@ class WalkingController:
 
     def _begin_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
         """A sway from here, towards the foot that is still in the air."""
-        middle = self.memory.to_heading(dynamics.foot_positions.mean(axis=1)[:, :2], robots)
+        places = dynamics.foot_positions[:, :, :2].swapaxes(0, 1)
+        feet = np.stack([self.memory.to_heading(foot, robots) for foot in places], axis=1)
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
         height = dynamics.foot_positions[:, :, 2]
         side = np.where(height[:, LEFT] >= height[:, RIGHT], 1.0, -1.0)
-        sway = self._plant.entry.begin(middle, position, side, self.memory.velocity[robots, 0])
+        velocity = self.memory.velocity[robots]
+        orbit = self._stepping.orbit(velocity)
+        sway = self._plant.entry.begin(feet, position, side, velocity[:, 0], orbit)
         scatter(self.memory.sway, robots, sway)
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:

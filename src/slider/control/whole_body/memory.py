@@ -4,6 +4,7 @@ Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (W
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,13 @@ LEFT, RIGHT = 0, 1
 FEET = np.array([LEFT, RIGHT])
 
 
+class Orbit(NamedTuple):
+    """Sideways orbits of n robots: lateral distance of the feet (n,) [m], time of a step (n,) [s]."""
+
+    width: np.ndarray
+    time: np.ndarray
+
+
 @dataclass
 class Sway:
     """Sways of n robots in double support, in the frame of their heading.
@@ -26,6 +34,8 @@ class Sway:
         start: (n, 3) place [m] from the middle towards that foot, velocity and acceleration at
             the start.
         centre: (n,) forward place of the centre of pressure from the middle [m].
+        speed: (n,) towards that foot in the middle, with which a step leads into the orbit [m/s].
+        width, time: of the :class:`Orbit` (n,).
         elapsed: (n,) [s].
     """
 
@@ -33,6 +43,9 @@ class Sway:
     side: np.ndarray
     start: np.ndarray
     centre: np.ndarray
+    speed: np.ndarray
+    width: np.ndarray
+    time: np.ndarray
     elapsed: np.ndarray
 
 
@@ -89,7 +102,7 @@ class Memory:
             tick=0,
             mode=np.where(standing(velocity), STAND, SWAY),
             heading=heading.copy(),
-            sway=Sway(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), *np.zeros((2, n))),
+            sway=Sway(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), *np.zeros((5, n))),
             stance=np.full(n, LEFT),
             elapsed=np.zeros(n),
             duration=np.zeros(n),

@@ -38,7 +38,7 @@ class Dynamics:
         com_jacobian: (n, 3, 18).
         com_bias: its acceleration at q̈ = 0 (n, 3) [m/s²].
         base_rotation: (n, 3, 3) to world.
-        foot_positions: middle of the foot lines (n, 2, 3) [m].
+        foot_positions: of the soles, below the ankles (n, 2, 3) [m].
         foot_rotations: (n, 2, 3, 3) to world.
         foot_jacobians: of these points, linear above angular (n, 2, 6, 18).
         foot_bias: their accelerations at q̈ = 0 (n, 2, 6).

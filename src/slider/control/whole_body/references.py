@@ -7,8 +7,8 @@ position relative to the foot [m] and velocity [m/s].
 
 import numpy as np
 
-from slider.config.control import EntryConfig, StepConfig, VelocityConfig
-from slider.control.whole_body.memory import Memory, Sway
+from slider.config.control import EntryConfig, VelocityConfig
+from slider.control.whole_body.memory import LEFT, RIGHT, Memory, Orbit, Sway
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import GRAVITY
 
@@ -41,11 +41,6 @@ def lateral_end_velocity(omega: float, time: np.ndarray | float, width: float) -
     v = ω (width/2) tanh(ω time / 2).
     """
     return omega * width / 2 * np.tanh(omega * np.asarray(time) / 2)
-
-
-def orbital_energy(omega: float, state: np.ndarray) -> np.ndarray:
-    """(ẋ/ω)² − x² (…) [m²], constant during a step; negative: the pendulum turns back."""
-    return (state[..., 1] / omega) ** 2 - state[..., 0] ** 2
 
 
 def quintic(
@@ -125,36 +120,42 @@ class ReferenceVelocity:
 class Entry:
     """A sway in double support from rest into the sideways orbit, with a closed-loop exit.
 
-    It is towards the first stance foot, until the pendulum has the energy of the orbit.
+    It is towards the first stance foot, until a step leads into the orbit.
 
     ``omega`` is the natural frequency of the pendulum [rad/s], ``reach`` the forward distance from
     the middle within which a robot can come to a stop [m].
     """
 
-    def __init__(self, step: StepConfig, config: EntryConfig, omega: float, reach: float) -> None:
+    def __init__(self, config: EntryConfig, omega: float, reach: float) -> None:
         self._config, self._omega, self._reach = config, omega, reach
-        self._width, self._step_time = step.width, step.time
-        self._speed = float(lateral_end_velocity(omega, step.time, step.width))
-        half = step.width / 2
-        self.energy = float(orbital_energy(omega, np.array([-half, self._speed])))
 
     def begin(
-        self, middle: np.ndarray, position: np.ndarray, side: np.ndarray, speed: np.ndarray
+        self,
+        feet: np.ndarray,
+        position: np.ndarray,
+        side: np.ndarray,
+        speed: np.ndarray,
+        orbit: Orbit,
     ) -> Sway:
         """Sway of robots at rest at ``position`` (n, 2) for a forward ``speed`` (n,) [m/s].
 
-        The centre of pressure p lies behind the middle so that the pendulum, after the sway and a
+        ``feet`` (n, 2, 2) are the places of the feet [m]. With the lateral speed
+        v = ω (d cosh ωT − w/2)/sinh ωT in the middle, d beside the stance foot, the first step
+        ends where the ``orbit``'s steps end. The centre of pressure p lies behind the middle so that the pendulum, after the sway and a
         step on a foot in the middle, has the velocity at the end of the orbit's steps,
         v = −ω p (sinh ω(t + T) − sinh ωT), if the foot is long enough for that.
         """
-        start = np.zeros((len(middle), 3))
+        start, middle = np.zeros((len(feet), 3)), feet.mean(axis=1)
         start[:, 0] = side * (position - middle)[:, 1]
-        omega, step = self._omega, self._step_time
+        omega, step = self._omega, orbit.time
+        apart = 0.5 * (feet[:, LEFT] - feet[:, RIGHT])[:, 1]
+        sinh = np.sinh(omega * step)
+        lateral = omega * (apart * np.cosh(omega * step) - orbit.width / 2) / sinh
         end = forward_end_velocity(omega, step, speed)
-        gain = np.sinh(omega * (self._config.duration + step)) - np.sinh(omega * step)
+        gain = np.sinh(omega * (self._config.duration + step)) - sinh
         ideal = -end / (omega * gain)
         centre = np.clip(ideal, -self._config.push, self._config.push)
-        return Sway(middle, side, start, centre, np.zeros(len(middle)))
+        return Sway(middle, side, start, centre, lateral, *orbit, np.zeros(len(middle)))
 
     def reference(self, sway: Sway) -> np.ndarray:
         """Forward and leftward place from the middle, velocity, acceleration (n, 2, 3)."""
@@ -171,10 +172,11 @@ class Entry:
     def _sideways(self, sway: Sway) -> np.ndarray:
         """Quintic to the middle with the orbit's speed there, past its end straight on: (n, 3)."""
         duration = np.full(len(sway.elapsed), self._config.duration)
-        goal = np.tile([0.0, self._speed, 0.0], (len(duration), 1))
+        goal = np.zeros((len(duration), 3))
+        goal[:, 1] = sway.speed
         late = sway.elapsed > duration
         result = quintic(sway.start, goal, duration, np.minimum(sway.elapsed, duration))
-        result[late, 0] += self._speed * (sway.elapsed - duration)[late]
+        result[late, 0] += (sway.speed * (sway.elapsed - duration))[late]
         return result
 
     def done(
@@ -182,16 +184,16 @@ class Entry:
     ) -> np.ndarray:
         """Whether robots can take their first step, or have to (n,).
 
-        They can, when the centre of mass goes towards the stance foot with the orbit's energy and
-        forward as planned; they have to, when their time is over and they could not stop any
+        They can, when the centre of mass goes towards the stance foot so fast that the step ends
+        where those of the orbit end, and forward as planned; they have to, when their time is over and they could not stop any
         more: the capture point x + ẋ/ω is beyond the feet.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].
         """
         sideways = sway.side[:, None] * np.stack([position - foot, velocity], axis=-1)[:, 1]
-        energy = orbital_energy(self._omega, sideways)
-        ready = (sideways[:, 1] > 0) & (energy > self.energy - self._config.tolerance * self._width)
+        end = (step_map(self._omega, sway.time) @ sideways[:, :, None])[:, 0, 0]
+        ready = end > -sway.width / 2 - self._config.tolerance
         planned = self._forward(sway)[:, 1]
         calm = np.abs(velocity[:, 0] - planned) < self._config.speed_tolerance
         begun = sway.elapsed > self._config.duration / 2

@@ -170,7 +170,7 @@ class ModelBasedConfig(t.Group, kw_only=True):
 
     substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control tick"""
-    height: t.Positive[t.Factor] = 1.0
+    height: t.Positive[t.Factor]
     """of the pendulum, as a share of the centre of mass's height in the nominal pose: straight knees
     end a step"""
     step: StepConfig

@@ -36,8 +36,11 @@ _RESULT = np.dtype(
     + [(name, float) for name in ("solve_time", "setup_time")],
     align=True,
 )
-_SETTINGS = ctypes.create_string_buffer(256)  # 136 bytes, which DAQP fills
-ctypes.CDLL(daqp.__file__).daqp_default_settings(_SETTINGS)
+_SETTINGS, _LENIENT = (ctypes.create_string_buffer(256) for _ in range(2))  # DAQP fills 136 bytes
+for _settings in (_SETTINGS, _LENIENT):
+    ctypes.CDLL(daqp.__file__).daqp_default_settings(_settings)
+_zero_tol = ctypes.c_double.from_buffer(_LENIENT, 2 * ctypes.sizeof(ctypes.c_double))
+_zero_tol.value = 1e-7  # for 1e-11
 llvmlite.binding.load_library_permanently(daqp.__file__)
 _quadprog = types.ExternalFunction("daqp_quadprog", types.void(*[types.uintp] * 3))
 
@@ -51,6 +54,9 @@ def solve(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Minimise ½ xᵀ H x + gᵀ x with bounds on the first variables and on ``rows`` x, N times.
 
+    DAQP finds some QPs of a heavy robot on two soles infeasible that are not. These it solves again
+    with a larger tolerance, in units in which H has a diagonal of ones.
+
     Args:
         hessian: (N, n, n), positive definite.
         gradient: (N, n).
@@ -63,6 +69,28 @@ def solve(
     Raises:
         RuntimeError: the solver did not run.
     """
+    x, solved = _solve(hessian, gradient, rows, lower, upper, _SETTINGS)
+    if len(again := np.flatnonzero(~solved)):
+        hessian, rows = hessian[again], rows[again]
+        unit = 1.0 / np.sqrt(np.einsum("nii->ni", hessian))
+        across, bounds = unit[:, None], upper.shape[1] - rows.shape[1]
+        bound = np.ones((len(again), upper.shape[1]))
+        bound[:, :bounds] = unit[:, :bounds]
+        scaled = across * hessian * unit[:, :, None], unit * gradient[again], across * rows
+        limits = lower[again] / bound, upper[again] / bound
+        y, solved[again] = _solve(*scaled, *limits, _LENIENT)
+        x[again] = unit * y
+    return x, solved
+
+
+def _solve(
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+    rows: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    settings: ctypes.Array[ctypes.c_char],
+) -> tuple[np.ndarray, np.ndarray]:
     count, size = gradient.shape
     limits = upper.shape[1]
     parts = {"hessian": hessian, "gradient": gradient, "rows": rows, "upper": upper, "lower": lower}
@@ -76,7 +104,7 @@ def solve(
     for name, part in parts.items():
         problems[name] = _addresses(part)
     results["x"], results["multipliers"] = _addresses(x), _addresses(multipliers)
-    _each(_addresses(results), _addresses(problems), np.uintp(ctypes.addressof(_SETTINGS)))
+    _each(_addresses(results), _addresses(problems), np.uintp(ctypes.addressof(settings)))
     if (results["flag"] == _DID_NOT_RUN).any():
         raise RuntimeError("DAQP: expected a flag for each QP, found 0: the solver did not run")
     solved = results["flag"] == _SOLVED

@@ -16,6 +16,7 @@ from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.names import LAST_JOINTS, SIDES, foot
+from tests.config.composed import CONF, composed
 from tests.control.walking import COUNT, STILL, walk
 from tests.env.synthetic import config, disturbance, make_arrays, robot_config
 from tests.robot.soled import with_soles
@@ -54,6 +55,27 @@ def test_walks_on_soles_that_stay_level():
     mujoco.mj_kinematics(data.model, data)
     tilts = [data.body(foot(side)).xmat[7] for side in SIDES]
     np.testing.assert_allclose(tilts, 0.0, atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "seconds"), [("unitree_h1.yaml", 2, 3.0), ("unitree_h1_2", 12, 0.2)]
+)
+def test_the_general_settings_are_for_robots_with_knees_and_heavy_ones_on_soles(
+    name, count, seconds
+):
+    """DAQP alone finds QPs of four of the twelve starts infeasible."""
+    whole = composed(f"robot={CONF.parent}/docs/examples/robots/{name}")
+    control = whole.control["mpc_wbc_general"]
+    physics = build_plant(whole.robot, whole.env.plant, control, count)
+    controller = build_controller(whole.robot, control, whole.env.physics, count, None)
+    start = at_rest(whole.robot, whole.evaluation.start, np.random.default_rng(3000), count)
+    command = np.tile([0.4, 0.0, 0.0], (count, 1))
+    recording = roll_out(controller, physics, whole.env, start, command, seconds)
+    assert (controller.memory.mode != OFF).all()
+    if seconds > 2.0:
+        assert recording.survived.all()
+        speed = recording.velocity[-50:, :, 0].mean(axis=0)
+        np.testing.assert_allclose(speed, 0.4, atol=0.06)
 
 
 def test_a_robot_does_not_depend_on_the_others():

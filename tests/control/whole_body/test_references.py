@@ -97,8 +97,18 @@ def test_leaves_when_a_step_leads_into_the_orbit(side):
     assert not done(1.01 * speed, forward=2 * TUNED.entry.speed_tolerance)
 
 
+def test_steps_at_once_where_the_capture_point_is_a_foots_length_off_the_plan():
+    case, foot, still = entry(push=0.08), np.array([[0.0, APART]]), np.zeros((1, 2))
+    sway = begin(case, speed=1.0, elapsed=0.9 * TUNED.entry.duration)
+    place, speed, _ = case.reference(sway)[0, 0]
+    ahead = np.array([[place, 0.0]]), np.array([[speed, 0.0]])
+    assert place + speed / OMEGA > REACH
+    assert not case.done(sway, *ahead, foot)[0]
+    assert case.done(sway, np.array([[-0.02, 0.0]]), still, foot)[0]
+
+
 def test_out_of_time_it_sways_again_or_steps_where_it_cannot_stop():
-    case, foot = entry(), np.array([[0.0, 0.1]])
+    case, foot = entry(push=0.0), np.array([[0.0, 0.1]])
     late = TUNED.entry.duration + TUNED.entry.patience + 0.01
     sway = begin(case, speed=1.0, elapsed=late)
     position, slow, fast = np.array([[0.02, 0.01]]), np.array([[0.1, 0.0]]), np.array([[0.5, 0.0]])

@@ -185,8 +185,9 @@ class Entry:
         """Whether robots can take their first step, or have to (n,).
 
         They can, when the centre of mass goes towards the stance foot so fast that the step ends
-        where those of the orbit end, and forward as planned; they have to, when their time is over and they could not stop any
-        more: the capture point x + ẋ/ω is beyond the feet.
+        where those of the orbit end, and forward as planned; they have to, when the capture point
+        x + ẋ/ω is a foot's length off the planned one, or their time is over and it is beyond the
+        feet.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].
@@ -194,11 +195,12 @@ class Entry:
         sideways = sway.side[:, None] * np.stack([position - foot, velocity], axis=-1)[:, 1]
         end = (step_map(self._omega, sway.time) @ sideways[:, :, None])[:, 0, 0]
         ready = end > -sway.width / 2 - self._config.tolerance
-        planned = self._forward(sway)[:, 1]
-        calm = np.abs(velocity[:, 0] - planned) < self._config.speed_tolerance
+        planned = self._forward(sway)
+        calm = np.abs(velocity[:, 0] - planned[:, 1]) < self._config.speed_tolerance
         begun = sway.elapsed > self._config.duration / 2
         capture = (position - sway.middle)[:, 0] + velocity[:, 0] / self._omega
-        lost = self._late(sway) & (np.abs(capture) > self._reach)
+        astray = np.abs(capture - planned[:, 0] - planned[:, 1] / self._omega) > self._reach
+        lost = astray | (self._late(sway) & (np.abs(capture) > self._reach))
         return (ready & calm & begun) | lost
 
     def _late(self, sway: Sway) -> np.ndarray:

@@ -171,8 +171,7 @@ class ModelBasedConfig(t.Group, kw_only=True):
     substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control tick"""
     height: t.Positive[t.Factor]
-    """of the pendulum, as a share of the centre of mass's height in the nominal pose: straight knees
-    end a step"""
+    """of the pendulum, as a share of that of the centre of mass in the nominal pose"""
     step: StepConfig
     velocity: VelocityConfig
     entry: EntryConfig

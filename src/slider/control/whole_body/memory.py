@@ -18,7 +18,7 @@ FEET = np.array([LEFT, RIGHT])
 
 
 class Orbit(NamedTuple):
-    """Sideways orbits of n robots: lateral distance of the feet (n,) [m], time of a step (n,) [s]."""
+    """Sideways orbits: lateral distance of the feet (n,) [m] and time of a step (n,) [s]."""
 
     width: np.ndarray
     time: np.ndarray

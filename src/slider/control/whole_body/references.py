@@ -141,9 +141,10 @@ class Entry:
 
         ``feet`` (n, 2, 2) are the places of the feet [m]. With the lateral speed
         v = ω (d cosh ωT − w/2)/sinh ωT in the middle, d beside the stance foot, the first step
-        ends where the ``orbit``'s steps end. The centre of pressure p lies behind the middle so that the pendulum, after the sway and a
-        step on a foot in the middle, has the velocity at the end of the orbit's steps,
-        v = −ω p (sinh ω(t + T) − sinh ωT), if the foot is long enough for that.
+        ends where the steps of the ``orbit`` end. The centre of pressure p lies behind the middle
+        so that the pendulum, after the sway and a step on a foot in the middle, has the velocity
+        at the end of the orbit's steps, v = −ω p (sinh ω(t + T) − sinh ωT), if the foot is long
+        enough for that.
         """
         start, middle = np.zeros((len(feet), 3)), feet.mean(axis=1)
         start[:, 0] = side * (position - middle)[:, 1]

@@ -53,7 +53,7 @@ def test_each_direction_answers_its_own_coordinates():
     np.testing.assert_allclose(found.phase_gains[:, 2, 1, 0], lateral / (1 - lateral))
 
 
-def test_a_coupling_that_undoes_both_regulators_gets_one_of_both_directions():
+def test_a_coupling_that_undoes_both_regulators_gets_a_joint_one():
     """Closed alone they have 0.11 and 0.41: (x − 0.11)(x − 0.41) = 1.3 has a root of 1.41."""
     walk = coupled(1.0, 1.3)
     found = regulate(walk, 0, WEIGHTS)

@@ -54,7 +54,7 @@ def solve(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Minimise ½ xᵀ H x + gᵀ x with bounds on the first variables and on ``rows`` x, N times.
 
-    DAQP finds some QPs of a heavy robot on two soles infeasible that are not. These it solves again
+    DAQP wrongly reports some QPs of a heavy robot on two soles as infeasible. These it solves again
     with a larger tolerance, in units in which H has a diagonal of ones.
 
     Args:

@@ -4,8 +4,8 @@ Once per step, b_j = −K_j ξ_j changes a parameter of the step that ξ_{j+1} =
 describes (Westervelt, Grizzle et al., "Feedback Control of Dynamic Bipedal Robot Locomotion", 2007,
 section 7.2). Here b displaces the swing foot, and each of its directions answers its own
 coordinates: a forward displacement also changes how long a step takes, and a regulator of both at
-once times steps in order to catch a lateral error. It is taken where a walk's directions are
-coupled so much that the two regulators do not stabilise it.
+once times steps in order to catch a lateral error. A joint one is taken where a walk's directions
+are coupled so much that the two regulators do not stabilise it.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Regulator:
 
 
 def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regulator:
-    """Foot placement of one of the gaits: a regulator of each direction, else one of both.
+    """Foot placement of one of the gaits: a regulator for each direction, else a joint one.
 
     Raises:
         UserError: no displacement of the foot stabilises the walk.

@@ -97,7 +97,7 @@ def test_leaves_when_a_step_leads_into_the_orbit(side):
     assert not done(1.01 * speed, forward=2 * TUNED.entry.speed_tolerance)
 
 
-def test_steps_at_once_where_the_capture_point_is_a_foots_length_off_the_plan():
+def test_steps_at_once_where_the_capture_point_is_far_off_the_plan():
     case, foot, still = entry(push=0.08), np.array([[0.0, APART]]), np.zeros((1, 2))
     sway = begin(case, speed=1.0, elapsed=0.9 * TUNED.entry.duration)
     place, speed, _ = case.reference(sway)[0, 0]

@@ -185,10 +185,10 @@ class Entry:
     ) -> np.ndarray:
         """Whether robots can take their first step, or have to (n,).
 
-        They can, when the centre of mass goes towards the stance foot so fast that the step ends
-        where those of the orbit end, and forward as planned; they have to, when the capture point
-        x + ẋ/ω is a foot's length off the planned one, or their time is over and it is beyond the
-        feet.
+        They can, when a step from here ends where those of the orbit end or nearer to the stance
+        foot, and the centre of mass goes forward as planned. They have to, when the capture point
+        x + ẋ/ω is further off the planned one than the shorter end of the foot, or their time is
+        over and it is beyond that.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].

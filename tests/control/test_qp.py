@@ -36,3 +36,22 @@ def test_solutions_are_those_of_the_python_interface():
         np.testing.assert_array_equal(minimiser, expected)
         free = -np.linalg.solve(hessian, gradient)
         assert np.abs(minimiser - free).max() > 1e-3, "some constraint is active"
+
+
+def test_what_is_reported_infeasible_is_solved_again(monkeypatch):
+    """Every second programme: in other units to the same minimiser."""
+    parts, solve, calls = programmes(6), qp._solve, []
+    expected, _ = qp.solve(*parts)
+
+    def fails_first(*given):
+        x, solved = solve(*given)
+        if not calls:
+            x[::2], solved[::2] = 0.0, False
+        calls.append(len(x))
+        return x, solved
+
+    monkeypatch.setattr(qp, "_solve", fails_first)
+    x, solved = qp.solve(*parts)
+    assert solved.all()
+    assert calls == [6, 3]
+    np.testing.assert_allclose(x, expected, rtol=1e-9, atol=1e-10)

@@ -1,8 +1,5 @@
 """A robot from a file outside ``conf/``: its values, tags, recipes and mistakes."""
 
-import os
-import signal
-import subprocess
 import sys
 
 import pytest
@@ -90,49 +87,6 @@ BASE = "defaults: [slider, _self_]\nname: mine\n"
 )
 def test_a_mistake_is_one_line(written, text, message):
     assert message in refusal([written(text)])
-
-
-ALIASES = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
-    f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 9)
-)
-ROLES = "{base: base, joints: {hip_yaw: [a, b]}}"
-MODEL = f"{BASE}model: robot.xml\nroles: {ROLES}\n"
-BODIES = '<replicate count="100000000"><body><geom size="1"/></body></replicate>'
-COPIES = f"<mujoco><worldbody>{BODIES}</worldbody></mujoco>"
-
-
-@pytest.mark.timeout(120)
-@pytest.mark.parametrize(
-    ("text", "model", "message"),
-    [
-        pytest.param(ALIASES + BASE, None, "and 64 KiB of values, found more ", id="aliases"),
-        pytest.param(f"{BASE}a: {'x' * 70_000}", None, "found more values", id="values"),
-        pytest.param(None, None, "expected a YAML file, found another kind", id="pipe"),
-        pytest.param(MODEL, None, "expected a model file (MJCF or URDF), found", id="model pipe"),
-        pytest.param(MODEL, COPIES, "what is read in 5 s, 2 GiB and", id="replicated bodies"),
-    ],
-)
-def test_a_hostile_file_is_one_line(tmp_path, text, model, message):
-    for name, content in (("robot.yaml", text), ("robot.xml", model)):
-        if content is None:
-            os.mkfifo(tmp_path / name)
-        else:
-            (tmp_path / name).write_text(content, encoding="utf-8")
-    assert message in refusal([f"robot={tmp_path}"])
-
-
-@pytest.mark.timeout(120)
-def test_an_interrupt_ends_the_reading(tmp_path):
-    (tmp_path / "robot.yaml").write_text(MODEL, encoding="utf-8")
-    (tmp_path / "robot.xml").write_text('<mujoco><include file="pipe"/></mujoco>', "utf-8")
-    os.mkfifo(tmp_path / "pipe")
-    command = [sys.executable, "-m", "slider.cli", "config", f"robot={tmp_path}"]
-    process = subprocess.Popen([*command, "--conf", str(CONF)], stderr=subprocess.DEVNULL)
-    with (tmp_path / "pipe").open("wb", 0) as pipe:  # waits for the reader
-        process.send_signal(signal.SIGINT)
-        assert process.wait() != 0
-        with pytest.raises(BrokenPipeError):
-            pipe.write(b" ")
 
 
 def test_no_such_file(tmp_path):

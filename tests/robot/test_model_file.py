@@ -1,6 +1,5 @@
 """Robots from model files: our own through the same door, a URDF in frames of any direction."""
 
-import json
 import re
 import shutil
 from dataclasses import replace
@@ -14,7 +13,6 @@ from omegaconf import OmegaConf
 from scipy.spatial.transform import Rotation
 
 from slider.cli import main
-from slider.composition import robot_file
 from slider.composition.robot_file import read
 from slider.config.convert import from_dict, to_dict
 from slider.config.parameters import parameters
@@ -22,7 +20,7 @@ from slider.config.robot import HIP_JOINTS, LINKS, RobotConfig, Sole
 from slider.core.errors import UserError
 from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
-from slider.robot.model_file import read_model
+from slider.robot.model_file import ModelFile, read_model
 from tests.config.composed import CONF, composed
 from tests.robot.lopsided import kneed, lopsided, turned
 from tests.robot.soled import with_soles
@@ -37,17 +35,13 @@ KNEED = {  # in our own model a knee has the slide's name
         for name, pair in ROLES["joints"].items()
     },
 }
-
-
-@pytest.fixture(autouse=True)
-def in_this_process(monkeypatch):
-    """No process of its own reads these files, of which none is a stranger's."""
-    monkeypatch.setattr(
-        robot_file, "confined", lambda _, *paths: json.loads(json.dumps(read(*paths)))
-    )
-
-
 AXES = {"hip_yaw": [0, 0, 1], "slide": [0, 0, -1], "hip_roll": [1, 0, 0], "ankle_roll": [1, 0, 0]}
+
+
+def model_of(file: Path) -> ModelFile:
+    _, model = read(file)
+    assert model is not None
+    return model
 
 
 def mjcf(robot: RobotConfig, folder: Path) -> Path:
@@ -272,7 +266,7 @@ def test_an_ankle_that_rolls_is_that_of_the_file(tmp_path, capsys):
     assert (robot.drives["ankle_roll"].torque, robot.gains["ankle_roll"].kp) == (40.0, 80.0)
     assert len(robot.leg_motors) == 6
     file = mujoco.MjModel.from_xml_path(str(tmp_path / XML))
-    pose = read(tmp_path / YAML)["model"]["pose"]
+    pose = model_of(tmp_path / YAML).pose
     assert apart(robot, file, pose) < 1e-5
     file.jnt_pos[file.joint("left_ankle_roll").id, 2] += 0.01
     assert apart(robot, file, pose) > 1e-3
@@ -589,7 +583,7 @@ def test_meshes_and_textures_that_are_not_there_are_not_read(folder):
     geom = '<joint name="left_slide"'
     change(folder / "robot.xml", "<worldbody>", assets)
     change(folder / "robot.xml", geom, f'<geom type="mesh" mesh="m" material="c"/>{geom}')
-    com = read(folder / YAML)["model"]["values"]["links"]["tube"]["com"]
+    com = model_of(folder / YAML).values["links"]["tube"]["com"]
     np.testing.assert_allclose(com, lopsided().links.tube.com, atol=1e-6)
 
 
@@ -635,7 +629,7 @@ def test_motors_come_from_the_model_but_for_typed_values(folder):
     assert yaw.speed == SLIDER.drives["hip_yaw"].speed
     assert robot.gains["hip_yaw"].kp == pytest.approx(8.0 / 0.5)
     assert (robot.gains["hip_roll"].kp, robot.gains["hip_roll"].kd) == (5.0, 18.0)
-    sources = read(folder / YAML)["model"]["motors"]
+    sources = model_of(folder / YAML).motors
     assert sources["drives.hip_yaw.torque"] == "ctrlrange"
     assert sources["drives.hip_roll.torque"] == "forcerange"
     assert (sources["gains.hip_yaw.kp"], "gains.hip_roll.kp" in sources) == ("rule", False)
@@ -650,7 +644,7 @@ def test_xacro_says_what_to_run_first(folder):
 def test_a_slide_that_is_slightly_off_is_told(folder):
     pattern = '(_slide" type="slide"[^>]*)axis="[^"]*"'
     substitute(folder / XML, pattern, r'\1axis="0.0035 0 -1"', 0)
-    remarks = read(folder / YAML)["model"]["remarks"]
+    remarks = model_of(folder / YAML).remarks
     assert "left_slide counts as along z, 0.20° off" in remarks
     substitute(folder / XML, pattern, r'\1axis="0.02 0 -1"', 0)
     with pytest.raises(UserError, match="slide: expected an axis along z"):
@@ -658,9 +652,9 @@ def test_a_slide_that_is_slightly_off_is_told(folder):
 
 
 def test_an_anchor_may_be_anywhere_on_its_axis(folder):
-    expected = read(folder / YAML)["model"]["values"]
+    expected = model_of(folder / YAML).values
     change(folder / XML, '"right_ankle" ', '"right_ankle" pos="0 0.07 0" ')
-    assert read(folder / YAML)["model"]["values"] == expected
+    assert model_of(folder / YAML).values == expected
 
 
 @pytest.mark.parametrize(("product", "passes"), [(0.03, True), (0.08, False)])
@@ -672,15 +666,15 @@ def test_products_of_the_base_count_as_zero_and_are_told(product, passes, folder
         with pytest.raises(UserError, match=r"within 5% of its moments \(roles.tolerance\), found"):
             read(folder / YAML)
         change(folder / YAML, "roles: {", "roles: {tolerance: 0.1, ")
-    model = read(folder / YAML)["model"]
-    assert f"Ixy and Iyz, {product:.1%} of its largest moment" in " ".join(model["remarks"])
-    assert model["values"]["links"]["base"]["products"] == [0.0, 0.0, 0.0]
+    model = model_of(folder / YAML)
+    assert f"Ixy and Iyz, {product:.1%} of its largest moment" in " ".join(model.remarks)
+    assert model.values["links"]["base"]["products"] == [0.0, 0.0, 0.0]
 
 
 def test_what_no_leg_has_is_ignored_by_name(folder):
     change(folder / "robot.xml", *joined('<weld body1="base"/>'))
-    model = read(folder / "robot.yaml")["model"]
-    assert model["remarks"] == ["ignored, as no leg has them: weld constraint of base and world"]
+    model = model_of(folder / "robot.yaml")
+    assert model.remarks == ["ignored, as no leg has them: weld constraint of base and world"]
 
 
 YAML, XML = "robot.yaml", "robot.xml"

@@ -13,7 +13,6 @@ import re
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout
-from dataclasses import asdict
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -25,7 +24,6 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
 from slider.config.parameters import tag
-from slider.core.confined import confined
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
@@ -52,7 +50,7 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     own = {f"robot={name}" for name in names}
     paths = {text: path for text in overrides if text not in own and (path := _path(text))}
     for text, path in paths.items():
-        node, model = _read(path)
+        node, model = read(path)
         require("name" in node, text, "the robot's name as `name`", "none")
         defaults = node.get("defaults", [])
         possible = isinstance(defaults, list) and all(name in names for name in defaults[:-1])
@@ -92,7 +90,7 @@ def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
     """
     if (path := _path(f"robot={option}")) is None:
         return None, None
-    node, model = _read(path)
+    node, model = read(path)
     given = flatten(model.values) if model else {}
     return model, given.keys() | flatten(node).keys()
 
@@ -117,17 +115,6 @@ def _path(text: str) -> Path | None:
     return path / "robot.yaml" if path.is_dir() else path
 
 
-def _read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
-    """Values of a robot's file, and what its model file gives."""
-    model = [_described(path.stem)] if path.parent == _MENAGERIE else []
-    found = confined("slider.composition.robot_file:read", path.absolute(), *model)
-    if not found["model"]:
-        return found["values"], None
-    from slider.robot.model_file import ModelFile
-
-    return found["values"], ModelFile(**found["model"])
-
-
 def _described(name: str) -> Path:
     """Model file of ``robot_descriptions``, which gets MuJoCo Menagerie by git on first use."""
     try:
@@ -139,16 +126,12 @@ def _described(name: str) -> Path:
         raise UserError(f"menagerie:{name}: expected {expected}, found: {found}") from None
 
 
-def read(path: Path, described: Path | None = None) -> dict[str, Any]:
-    """Plain values of a robot's file apart from ``model`` and ``roles``, and of its model file.
-
-    That is ``described``, or what the file names.
+def read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
+    """Values of a robot's file apart from ``model`` and ``roles``, and what its model file gives.
 
     Raises:
         UserError: a file cannot be read, or is no robot's.
     """
-    special = path.exists() and not path.is_file()  # a pipe would block
-    require(not special, f"robot={path}", "a YAML file", "another kind")
     try:
         node = OmegaConf.to_container(OmegaConf.load(path))
         json.dumps(node)
@@ -161,15 +144,16 @@ def read(path: Path, described: Path | None = None) -> dict[str, Any]:
     node = cast(dict[str, Any], node)
     file, roles = node.pop("model", None), node.pop("roles", None)
     if file is None and roles is None:
-        return {"values": node, "model": None}
-    if described is None:
-        if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
-            raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
+        return node, None
+    if path.parent == _MENAGERIE:
+        described = _described(path.stem)
+    elif isinstance(file, str) and not {"..", "/"} & set(Path(file).parts):
         described = path.parent / file
+    else:
+        raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
     from slider.robot.model_file import read_model
 
-    model = read_model(described, roles, flatten(node))
-    return {"values": node, "model": asdict(model)}
+    return node, read_model(described, roles, flatten(node))
 
 
 def malformed(error: Exception) -> str:

@@ -38,20 +38,34 @@ def test_solutions_are_those_of_the_python_interface():
         assert np.abs(minimiser - free).max() > 1e-3, "some constraint is active"
 
 
-def test_what_is_reported_infeasible_is_solved_again(monkeypatch):
+def test_what_it_fails_on_is_solved_again(monkeypatch):
     """Every second programme: in other units to the same minimiser."""
     parts, solve, calls = programmes(6), qp._solve, []
     expected, _ = qp.solve(*parts)
 
     def fails_first(*given):
-        x, solved = solve(*given)
+        x, flags = solve(*given)
         if not calls:
-            x[::2], solved[::2] = 0.0, False
+            x[::2], flags[::2] = np.nan, -1
         calls.append(len(x))
-        return x, solved
+        return x, flags
 
     monkeypatch.setattr(qp, "_solve", fails_first)
     x, solved = qp.solve(*parts)
     assert solved.all()
     assert calls == [6, 3]
     np.testing.assert_allclose(x, expected, rtol=1e-9, atol=1e-10)
+
+
+def test_a_minimiser_that_is_no_number_is_no_solution(monkeypatch):
+    parts, solve = programmes(6), qp._solve
+
+    def fails(*given):
+        x, flags = solve(*given)
+        x[1] = np.nan
+        return x, flags
+
+    monkeypatch.setattr(qp, "_solve", fails)
+    x, solved = qp.solve(*parts)
+    assert np.flatnonzero(~solved).tolist() == [1]
+    assert not x[1].any()

@@ -24,12 +24,6 @@ def test_a_cycle_of_two_has_the_gains_of_the_recursion():
     assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
 
 
-def test_what_cannot_be_stabilised_is_one_line():
-    a, b = np.diag([2.0, 0.5])[None], np.array([[[0.0], [1.0]]])
-    with pytest.raises(UserError, match="foot placement stabilises"):
-        periodic_lqr(a, b, np.eye(2), np.eye(1))
-
-
 def coupled(lateral_to_forward: float, forward_to_lateral: float) -> ZeroDynamics:
     """A walk of (c_y, ċ_y, ċ_x) whose foot moves each direction's own coordinates at once."""
     maps = np.diag([1.5, 0.5, 1.2])
@@ -62,3 +56,18 @@ def test_a_coupling_that_undoes_both_regulators_gets_a_joint_one():
     closed = walk.maps[0, 0] - walk.inputs[0, 0] @ found.gains[0]
     moduli = np.sort(np.abs(np.linalg.eigvals(closed @ closed)))[::-1] ** 0.5
     np.testing.assert_allclose(found.multipliers[1], moduli)
+
+
+@pytest.mark.parametrize("inputs", [[[0.0, 0.0]] * 3, [[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]]])
+def test_what_cannot_be_stabilised_is_one_line(inputs):
+    walk = coupled(0.0, 0.0)
+    walk.inputs[:] = inputs
+    with pytest.raises(UserError, match="foot placement stabilises"):
+        regulate(walk, 0, WEIGHTS)
+
+
+def test_a_joint_regulator_takes_over_where_a_direction_alone_has_none():
+    """The foot moves forward velocity by its leftward displacement only."""
+    walk = coupled(0.0, 0.0)
+    walk.inputs[:] = [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]
+    assert regulate(walk, 0, WEIGHTS).multipliers[1, 0] < 1.0

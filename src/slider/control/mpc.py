@@ -48,10 +48,10 @@ class MpcSteps(Stepping):
         """Go with ``velocity`` (N, 3) from now on."""
         self._velocity.change(memory, velocity)
 
-    def orbit(self, velocity: np.ndarray) -> Orbit:
-        """Sideways orbits of first steps towards velocities (n, 3)."""
-        width = np.full(len(velocity), self._config.step.width)
-        return Orbit(width, self._planner.nominal_time(np.zeros_like(velocity)))
+    def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
+        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
+        end = np.full(len(velocity), self._config.step.width / 2)
+        return Orbit(end, self._planner.nominal_time(np.zeros_like(velocity)))
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray

@@ -20,7 +20,7 @@ from numba import types
 from slider.core.compiled import compiled
 
 UNBOUNDED = 1e30  # DAQP's infinity
-_SOLVED, _DID_NOT_RUN = 1, 0  # DAQP has no flag 0; it is negative where there is no solution
+_SOLVED, _DID_NOT_RUN = 1, 0  # DAQP has no flag 0
 
 _PROBLEM = np.dtype(
     [(name, np.int32) for name in ("variables", "limits", "bounds")]
@@ -54,8 +54,9 @@ def solve(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Minimise ½ xᵀ H x + gᵀ x with bounds on the first variables and on ``rows`` x, N times.
 
-    DAQP wrongly reports some QPs of a heavy robot on two soles as infeasible. These it solves again
-    with a larger tolerance, in units in which H has a diagonal of ones.
+    DAQP fails on some QPs of a heavy robot on two soles that have a solution: infeasible, initially
+    overdetermined, cycling. What it fails on it solves again with a larger tolerance, in units in
+    which H has a diagonal of ones.
 
     Args:
         hessian: (N, n, n), positive definite.
@@ -69,8 +70,8 @@ def solve(
     Raises:
         RuntimeError: the solver did not run.
     """
-    x, solved = _solve(hessian, gradient, rows, lower, upper, _SETTINGS)
-    if len(again := np.flatnonzero(~solved)):
+    x, flags = _solve(hessian, gradient, rows, lower, upper, _SETTINGS)
+    if len(again := np.flatnonzero(flags != _SOLVED)):
         hessian, rows = hessian[again], rows[again]
         unit = 1.0 / np.sqrt(np.einsum("nii->ni", hessian))
         across, bounds = unit[:, None], upper.shape[1] - rows.shape[1]
@@ -78,8 +79,10 @@ def solve(
         bound[:, :bounds] = unit[:, :bounds]
         scaled = across * hessian * unit[:, :, None], unit * gradient[again], across * rows
         limits = lower[again] / bound, upper[again] / bound
-        y, solved[again] = _solve(*scaled, *limits, _LENIENT)
+        y, flags[again] = _solve(*scaled, *limits, _LENIENT)
         x[again] = unit * y
+    solved = (flags == _SOLVED) & np.isfinite(x).all(axis=1)
+    x[~solved] = 0.0
     return x, solved
 
 
@@ -107,9 +110,7 @@ def _solve(
     _each(_addresses(results), _addresses(problems), np.uintp(ctypes.addressof(settings)))
     if (results["flag"] == _DID_NOT_RUN).any():
         raise RuntimeError("DAQP: expected a flag for each QP, found 0: the solver did not run")
-    solved = results["flag"] == _SOLVED
-    x[~solved] = 0.0
-    return x, solved
+    return x, results["flag"]
 
 
 @compiled

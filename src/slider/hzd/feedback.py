@@ -46,8 +46,18 @@ def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regu
     Raises:
         UserError: no displacement of the foot stabilises the walk.
     """
-    found = _closed(walk, gait, config, _APART)
-    return found if found.multipliers[1, 0] < 1.0 else _closed(walk, gait, config, _TOGETHER)
+    reason = ""
+    for regulators in (_APART, _TOGETHER):
+        try:
+            found = _closed(walk, gait, config, regulators)
+        except (np.linalg.LinAlgError, ValueError) as error:
+            reason = str(error)
+            continue
+        greatest = found.multipliers[1, 0]
+        if greatest < 1.0:
+            return found
+        reason = f"a multiplier of {greatest:.3g} with it"
+    raise UserError(f"expected a walk that foot placement stabilises, found {reason}")
 
 
 def _closed(
@@ -85,16 +95,13 @@ def periodic_lqr(
     section 6.3): the states of all sections side by side, each map leading to the next place.
 
     Raises:
-        UserError: no displacement of the foot stabilises the walk.
+        LinAlgError, ValueError: no displacement of the foot stabilises the walk.
     """
     period, r, m = b.shape
     shift = np.roll(np.arange(period), 1)
     around = np.kron(np.eye(period)[shift], np.eye(r))
     cycle, inputs = (around @ np.asarray(block_diag(*each)) for each in (a, b))
     weight, effort = np.kron(np.eye(period), state_weight), np.kron(np.eye(period), input_weight)
-    try:
-        cost = solve_discrete_are(cycle, inputs, weight, effort)
-    except (np.linalg.LinAlgError, ValueError) as error:
-        raise UserError(f"expected a walk that foot placement stabilises, found {error}") from None
+    cost = solve_discrete_are(cycle, inputs, weight, effort)
     gains = np.linalg.solve(effort + inputs.T @ cost @ inputs, inputs.T @ cost @ cycle)
     return np.stack([gains[m * j : m * (j + 1), r * j : r * (j + 1)] for j in range(period)])

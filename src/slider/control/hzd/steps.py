@@ -7,7 +7,7 @@ from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, EnforcedSteps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of, terrain_motion
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
-from slider.control.whole_body.memory import LEFT, WALK, Memory, Orbit
+from slider.control.whole_body.memory import WALK, Memory, Orbit
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.references import ReferenceVelocity
@@ -71,13 +71,14 @@ class HzdSteps(Stepping):
         memory.target_yaw_rate = target.copy()
         self._velocity.change(memory, reference)
 
-    def orbit(self, velocity: np.ndarray) -> Orbit:
-        """Sideways orbits of the gaits of first steps towards velocities (n, 3)."""
+    def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
+        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
         first = self._config.velocity.acceleration * self._config.ahead
         size = np.linalg.norm(velocity[:, :2], axis=1)
-        slow = velocity * np.minimum(1.0, first / np.maximum(size, 1e-9))[:, None]
-        walk = self._gaits.at(slow, np.full(len(velocity), LEFT))
-        return Orbit(-2.0 * walk.orbit[:, 0, 0], walk.duration)
+        slow = velocity.copy()
+        slow[:, :2] *= np.minimum(1.0, first / np.maximum(size, 1e-9))[:, None]
+        walk = self._gaits.at(slow, stance)
+        return Orbit(-walk.orbit[:, -1, 0], walk.duration)
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray

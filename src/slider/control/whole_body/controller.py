@@ -24,7 +24,6 @@ from slider.control.whole_body.memory import (
     WALK,
     Memory,
     Orbit,
-    Sway,
 )
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.observer import Observer
@@ -47,8 +46,8 @@ class Stepping(Protocol):
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
 
-    def orbit(self, velocity: np.ndarray) -> Orbit:
-        """Sideways orbits of first steps towards velocities (n, 3)."""
+    def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
+        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
         ...
 
     def begin(
@@ -84,7 +83,7 @@ class PlantModel:
         self.omega = natural_frequency(height)
         self.reach = min(robot.geometry.heel, robot.geometry.toe)
         self.body = BodyControl(robot, config.whole_body, search, height)
-        self.entry = Entry(config.entry, self.omega, self.reach)
+        self.entry = Entry(config.entry, self.omega, robot.geometry.heel, robot.geometry.toe)
 
 
 class WalkingController:
@@ -179,7 +178,7 @@ class WalkingController:
         height = dynamics.foot_positions[:, :, 2]
         side = np.where(height[:, LEFT] >= height[:, RIGHT], 1.0, -1.0)
         velocity = self.memory.velocity[robots]
-        orbit = self._stepping.orbit(velocity)
+        orbit = self._stepping.orbit(velocity, _first_stance(side))
         sway = self._plant.entry.begin(feet, position, side, velocity[:, 0], orbit)
         scatter(self.memory.sway, robots, sway)
 
@@ -195,7 +194,7 @@ class WalkingController:
         if len(sways):
             index = sways[self._sway_ends(robots[sways], dynamics.take(sways))]
             memory.mode[robots[index]] = WALK
-            stance = _first_stance(take(memory.sway, robots[index]))
+            stance = _first_stance(memory.sway.side[robots[index]])
             self._stepping.begin(memory, robots[index], dynamics.take(index), stance)
         walks = np.flatnonzero(memory.mode[robots] == WALK)
         landing = contact[walks, 1 - memory.stance[robots[walks]]]
@@ -218,7 +217,7 @@ class WalkingController:
         sway = take(self.memory.sway, robots)
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
         velocity = self.memory.to_heading(dynamics.com_velocity[:, :2], robots)
-        support = dynamics.foot_positions[np.arange(len(robots)), _first_stance(sway), :2]
+        support = dynamics.foot_positions[np.arange(len(robots)), _first_stance(sway.side), :2]
         foot = self.memory.to_heading(support, robots)
         done = self._plant.entry.done(sway, position, velocity, foot)
         self._plant.entry.restart(sway, position, velocity)
@@ -237,5 +236,5 @@ class WalkingController:
         return between & beside
 
 
-def _first_stance(sway: Sway) -> np.ndarray:
-    return np.where(sway.side > 0, LEFT, RIGHT)
+def _first_stance(side: np.ndarray) -> np.ndarray:
+    return np.where(side > 0, LEFT, RIGHT)

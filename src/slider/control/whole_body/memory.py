@@ -18,9 +18,9 @@ FEET = np.array([LEFT, RIGHT])
 
 
 class Orbit(NamedTuple):
-    """Sideways orbits: lateral distance of the feet (n,) [m] and time of a step (n,) [s]."""
+    """Sideways orbits: distance from the foot at a step's end (n,) [m], time of a step (n,) [s]."""
 
-    width: np.ndarray
+    end: np.ndarray
     time: np.ndarray
 
 
@@ -33,18 +33,20 @@ class Sway:
         side: (n,) +1 where the left foot is the first stance foot, −1 for the right one.
         start: (n, 3) place [m] from the middle towards that foot, velocity and acceleration at
             the start.
-        centre: (n,) forward place of the centre of pressure from the middle [m].
+        ahead: (n,) forward place of the centre of mass from the middle at the start [m].
+        push: (n,) forward place of the centre of pressure from there [m].
         speed: (n,) towards that foot in the middle, with which a step leads into the orbit [m/s].
-        width, time: of the :class:`Orbit` (n,).
+        end, time: of the :class:`Orbit` (n,).
         elapsed: (n,) [s].
     """
 
     middle: np.ndarray
     side: np.ndarray
     start: np.ndarray
-    centre: np.ndarray
+    ahead: np.ndarray
+    push: np.ndarray
     speed: np.ndarray
-    width: np.ndarray
+    end: np.ndarray
     time: np.ndarray
     elapsed: np.ndarray
 
@@ -102,7 +104,7 @@ class Memory:
             tick=0,
             mode=np.where(standing(velocity), STAND, SWAY),
             heading=heading.copy(),
-            sway=Sway(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), *np.zeros((5, n))),
+            sway=Sway(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), *np.zeros((6, n))),
             stance=np.full(n, LEFT),
             elapsed=np.zeros(n),
             duration=np.zeros(n),

@@ -122,12 +122,12 @@ class Entry:
 
     It is towards the first stance foot, until a step leads into the orbit.
 
-    ``omega`` is the natural frequency of the pendulum [rad/s], ``reach`` the forward distance from
-    the middle within which a robot can come to a stop [m].
+    ``omega`` is the natural frequency of the pendulum [rad/s], ``heel`` and ``toe`` are the
+    distances of the ends of a foot from its ankle [m].
     """
 
-    def __init__(self, config: EntryConfig, omega: float, reach: float) -> None:
-        self._config, self._omega, self._reach = config, omega, reach
+    def __init__(self, config: EntryConfig, omega: float, heel: float, toe: float) -> None:
+        self._config, self._omega, self._heel, self._toe = config, omega, heel, toe
 
     def begin(
         self,
@@ -140,23 +140,26 @@ class Entry:
         """Sway of robots at rest at ``position`` (n, 2) for a forward ``speed`` (n,) [m/s].
 
         ``feet`` (n, 2, 2) are the places of the feet [m]. With the lateral speed
-        v = ω (d cosh ωT − w/2)/sinh ωT in the middle, d beside the stance foot, the first step
-        ends where the steps of the ``orbit`` end. The centre of pressure p lies behind the middle
-        so that the pendulum, after the sway and a step on a foot in the middle, has the velocity
-        at the end of the orbit's steps, v = −ω p (sinh ω(t + T) − sinh ωT), if the foot is long
-        enough for that.
+        v = ω (d cosh ωT − e)/sinh ωT in the middle, d beside the stance foot, the first step
+        ends e beside it, as steps of the ``orbit`` do; where these are not known (0), e = d. The
+        pendulum starts at a forward place x from the middle, with the centre of pressure p from
+        there, on the feet. After the sway and a step on a foot in the middle it has the velocity
+        at the end of the orbit's steps, v = ω (x sinh ωT − p (sinh ω(t + T) − sinh ωT)), if
+        ``push`` and the feet allow that.
         """
         start, middle = np.zeros((len(feet), 3)), feet.mean(axis=1)
-        start[:, 0] = side * (position - middle)[:, 1]
+        ahead, sideways = (position - middle).T
+        start[:, 0] = side * sideways
         omega, step = self._omega, orbit.time
         apart = 0.5 * (feet[:, LEFT] - feet[:, RIGHT])[:, 1]
         sinh = np.sinh(omega * step)
-        lateral = omega * (apart * np.cosh(omega * step) - orbit.width / 2) / sinh
+        orbit = orbit._replace(end=np.where(orbit.end > 0, orbit.end, apart))
+        lateral = omega * (apart * np.cosh(omega * step) - orbit.end) / sinh
         end = forward_end_velocity(omega, step, speed)
         gain = np.sinh(omega * (self._config.duration + step)) - sinh
-        ideal = -end / (omega * gain)
-        centre = np.clip(ideal, -self._config.push, self._config.push)
-        return Sway(middle, side, start, centre, lateral, *orbit, np.zeros(len(middle)))
+        push = np.clip((ahead * sinh - end / omega) / gain, -self._config.push, self._config.push)
+        push = np.clip(ahead + push, -self._heel, self._toe) - ahead
+        return Sway(middle, side, start, ahead, push, lateral, *orbit, np.zeros(len(middle)))
 
     def reference(self, sway: Sway) -> np.ndarray:
         """Forward and leftward place from the middle, velocity, acceleration (n, 2, 3)."""
@@ -164,11 +167,13 @@ class Entry:
         return np.stack([self._forward(sway), sideways], axis=1)
 
     def _forward(self, sway: Sway) -> np.ndarray:
-        """Pendulum from rest with its centre of pressure in ``centre``: (n, 3)."""
+        """Pendulum from rest with the centre of pressure ``push`` from its start: (n, 3)."""
         omega, phase = self._omega, self._omega * sway.elapsed
         cosh, sinh = np.cosh(phase), np.sinh(phase)
         unit = np.stack([1 - cosh, -omega * sinh, -(omega**2) * cosh], axis=-1)
-        return sway.centre[:, None] * unit
+        forward = sway.push[:, None] * unit
+        forward[:, 0] += sway.ahead
+        return forward
 
     def _sideways(self, sway: Sway) -> np.ndarray:
         """Quintic to the middle with the orbit's speed there, past its end straight on: (n, 3)."""
@@ -186,23 +191,27 @@ class Entry:
         """Whether robots can take their first step, or have to (n,).
 
         They can, when a step from here ends where those of the orbit end or nearer to the stance
-        foot, and the centre of mass goes forward as planned. They have to, when the capture point
-        x + ẋ/ω is further off the planned one than the shorter end of the foot, or their time is
-        over and it is beyond that.
+        foot, and the centre of mass goes forward as planned. They have to, when no centre of
+        pressure on the feet brings the capture point x + ẋ/ω back to the planned one, or their
+        time is over and none brings it to rest.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].
         """
         sideways = sway.side[:, None] * np.stack([position - foot, velocity], axis=-1)[:, 1]
         end = (step_map(self._omega, sway.time) @ sideways[:, :, None])[:, 0, 0]
-        ready = end > -sway.width / 2 - self._config.tolerance
+        ready = end > -sway.end - self._config.tolerance
         planned = self._forward(sway)
         calm = np.abs(velocity[:, 0] - planned[:, 1]) < self._config.speed_tolerance
         begun = sway.elapsed > self._config.duration / 2
         capture = (position - sway.middle)[:, 0] + velocity[:, 0] / self._omega
-        astray = np.abs(capture - planned[:, 0] - planned[:, 1] / self._omega) > self._reach
-        lost = astray | (self._late(sway) & (np.abs(capture) > self._reach))
+        error = capture - planned[:, 0] - planned[:, 1] / self._omega
+        astray = self._off_the_feet(sway.ahead + sway.push + error)
+        lost = astray | (self._late(sway) & self._off_the_feet(capture))
         return (ready & calm & begun) | lost
+
+    def _off_the_feet(self, forward: np.ndarray) -> np.ndarray:
+        return (forward < -self._heel) | (forward > self._toe)
 
     def _late(self, sway: Sway) -> np.ndarray:
         return sway.elapsed > self._config.duration + self._config.patience
@@ -210,8 +219,10 @@ class Entry:
     def restart(self, sway: Sway, position: np.ndarray, velocity: np.ndarray) -> None:
         """Sway again, on the spot and from here (n, 2), (n, 2), where time is over."""
         again = self._late(sway)
-        sway.start[again, 0] = (sway.side * (position - sway.middle)[:, 1])[again]
+        ahead, sideways = (position - sway.middle).T
+        sway.ahead[again] = ahead[again]
+        sway.start[again, 0] = (sway.side * sideways)[again]
         sway.start[again, 1] = (sway.side * velocity[:, 1])[again]
         sway.start[again, 2] = 0.0
-        sway.centre[again] = 0.0
+        sway.push[again] = 0.0
         sway.elapsed[again] = 0.0

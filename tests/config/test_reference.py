@@ -1,13 +1,17 @@
 """Bounds, units and meanings are those of the schema's types; every key has them."""
 
 import dataclasses
+import json
 
 import pytest
+import yaml
+from jsonschema import Draft202012Validator
 
 from slider.cli import main
 from slider.config.reference import (
     OPTIONAL,
     Entry,
+    editor_schema,
     entries,
     matching,
     page,
@@ -48,6 +52,32 @@ def table(config) -> list[Entry]:
 def test_type_unit_and_bound(path, text, table):
     (entry,) = (entry for entry in table if entry.key == path)
     assert " | ".join(entry[1:4]) == text
+
+
+@pytest.mark.parametrize(
+    ("group", "folder"),
+    [
+        *(("", "experiment"), ("gait", "gait"), ("gait.grid", "gait/grid"), ("robot", "robot")),
+        *(("control.mine", "control"), ("env", "env"), ("train.walking", "train/walking")),
+        *(("evaluation", "evaluation"), ("gauge", "gauge"), ("study.mine", "study")),
+    ],
+)
+def test_editors_accept_the_files_of_conf_and_no_other_key(group, folder):
+    validator = Draft202012Validator(editor_schema(group))
+    for path in (CONF / folder).glob("*.yaml"):
+        values = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+        assert [error.message for error in validator.iter_errors(values)] == [], path
+    assert validator.is_valid({})
+    assert not any(map(validator.is_valid, [{"nonsense": 1}, {"defaults": 1}]))
+
+
+def test_the_command_prints_a_schema(capsys, refused):
+    assert main(["config", "--schema", "gait.solver"]) == 0
+    solver = json.loads(capsys.readouterr().out)["anyOf"][0]["properties"]
+    tolerance = solver["tolerance"]["anyOf"][0]
+    assert (tolerance["maximum"], tolerance["exclusiveMinimum"]) == (1, 0)
+    assert not Draft202012Validator(solver["tolerance"]).is_valid(2.0)
+    assert "expected a key with values below it" in refused("config", "--schema", "gait.nodes")
 
 
 def test_every_value_has_an_entry_with_a_meaning_a_bound_and_a_unit(table):

@@ -1,6 +1,7 @@
-"""``slider config``: print the resolved configuration, or what its keys mean."""
+"""``slider config``: print the resolved configuration, what its keys mean, or its JSON schema."""
 
 import argparse
+import json
 from pathlib import Path
 
 _WIDEST = 44  # characters of a column; a longer cell moves the rest of its row
@@ -18,18 +19,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="print type, unit, bound, default and meaning of all keys, of those at or below KEY, "
         "or of those that match it, such as '*.ppo.*'",
     )
+    parser.add_argument(
+        "--schema",
+        nargs="?",
+        const="",
+        metavar="GROUP",
+        help="print the JSON schema for editors of the files of conf/GROUP, or of conf/experiment",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print YAML that shows every value, or a table of keys."""
+    """Print YAML that shows every value, a table of keys or a schema."""
     from omegaconf import OmegaConf
 
     from slider.composition.compose import compose
     from slider.config.convert import to_dict
-    from slider.config.reference import Entry, entries, matching
+    from slider.config.reference import Entry, editor_schema, entries, matching
     from slider.env.terms import checked, parameter_types
     from slider.reports.sections import check_sections
 
+    if arguments.schema is not None:
+        print(json.dumps(editor_schema(arguments.schema), indent=1, ensure_ascii=False))
+        return
     config = checked(compose(arguments.overrides, arguments.conf))
     check_sections(config)
     if arguments.keys is None:

@@ -1,6 +1,6 @@
 """Reference of the configuration: type, unit, bound, default and meaning of every key.
 
-All is read from the types of the schema, for ``slider config`` and the documentation.
+All is read from the types of the schema, for ``slider config``, the documentation and editors.
 """
 
 import ast
@@ -90,6 +90,37 @@ def page(config: Config, parameters: Mapping[str, Any]) -> str:
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     return "\n".join(lines)
+
+
+def editor_schema(key: str) -> dict[str, Any]:
+    """JSON schema of the YAML files of a group, such as ``gait``; of the whole without a key.
+
+    A file may leave values to others, refer to them by ``${...}`` and have a defaults list.
+
+    Raises:
+        UserError: there is no such group.
+    """
+    node = _schema(Config)
+    for name in filter(None, key.split(".")):
+        found = (o.get("properties", {}).get(name) or o.get(_OTHERS) for o in _options(node))
+        node = next(filter(None, found), {})
+    if not any("properties" in option for option in _options(node)):
+        raise UserError(f"expected a key with values below it, such as gait, found {key}")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_partial(node)}
+
+
+def _partial(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_partial(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    node = {name: _partial(value) for name, value in node.items() if name != "required"}
+    node |= {"anyOf": node.pop("oneOf")} if "oneOf" in node else {}  # both, without what tells them
+    if node.get("type") == "object" and "properties" in node:
+        node["properties"] = {"defaults": {"type": "array"}} | node["properties"]
+    simple = isinstance(node.get("type"), str) and node["type"] not in ("string", "null")
+    expression = {"type": "string", "pattern": r"\$\{"}
+    return {"anyOf": [node, expression]} if simple or "enum" in node else node
 
 
 def meaning(cls: Any, name: str) -> str:

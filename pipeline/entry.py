@@ -1,5 +1,6 @@
 """What the Snakefile is made of: the current plan, the files of its jobs, tracking."""
 
+import errno
 import gc
 import getpass
 import os
@@ -10,7 +11,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from itertools import chain
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -29,8 +29,8 @@ from slider.artefacts.transfer import pull
 from slider.composition.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core import environment, files
-from slider.core.errors import UserError, is_read_only, not_written, require, require_docstrings
+from slider.core import environment
+from slider.core.errors import UserError, not_written, require
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import Tracking
@@ -235,7 +235,6 @@ def open_pipeline(
         overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
         path = Path(str(settings.get(PLAN)))
         return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
-    require_docstrings()
     try:
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
@@ -257,12 +256,10 @@ def open_pipeline(
 def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
     folder = store.root / "plans"
-    reports = (map(Path, names) for names in report_files(config).values())
-    files.check_places([*store.places(plan.jobs.values()), *chain(*reports)])
     try:
         path = write_plan(plan, folder)
     except OSError as error:
-        if not is_read_only(error):
+        if not isinstance(error, PermissionError) and error.errno != errno.EROFS:
             raise
         return plan_path(plan, folder)
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]

@@ -30,7 +30,6 @@ def test_every_command_has_help_of_its_own(name, capsys):
 @pytest.mark.parametrize(
     ("command", "variables", "line"),
     [
-        ("config --keys", {"PYTHONOPTIMIZE": "2"}, "PYTHONOPTIMIZE: expected at most 1, found 2"),
         ("play zero --film w.webp", {"MUJOCO_GL": "egll"}, "MUJOCO_GL=egll: expected a renderer, "),
         ("config", {}, "expected slider of this folder, "),
     ],

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
-from slider.core.errors import UserError, not_written, require_docstrings
+from slider.core.errors import UserError, not_written
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
@@ -55,7 +55,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     _open_streams()
     name, *arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
-        require_docstrings()
         if argv is None and name in COMMANDS:
             _require_own_folder()
         if name not in COMMANDS | INTERNAL:

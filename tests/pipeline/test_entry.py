@@ -1,9 +1,7 @@
 """What the Snakefile takes of the pipeline."""
 
-import re
 import shlex
 import signal
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -55,44 +53,6 @@ def test_a_job_takes_the_plan_of_the_head_on_another_processor(monkeypatch):
     assert {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()} == plans
 
     assert not head.plan.jobs.keys() <= opened().plan.jobs.keys()
-
-
-@pytest.mark.parametrize("place", ["artefacts", "reports", "artefacts/plans"])
-@pytest.mark.parametrize(
-    ("put", "found"),
-    [
-        (Path.touch, "a file"),
-        (lambda path: path.symlink_to("/disk"), "a link to /disk, which is not there"),
-    ],
-)
-def test_what_is_no_folder_is_one_line(capsys, place, put, found):
-    Path(place).parent.mkdir(exist_ok=True)
-    put(Path(place))
-    with pytest.raises(SystemExit, match="1"):
-        opened()
-    assert capsys.readouterr().err == f"slider: expected a folder at {place}, found {found}\n"
-
-
-def test_a_folder_in_the_place_of_a_file_is_one_line(tmp_path, capsys):
-    pipeline, marker = opened(), Path("artefacts/current/table1")
-    manifest = Path(pipeline.manifest("table1")(None))
-    for place in (pipeline.plan_path, Path("reports/table1.csv"), marker, manifest):
-        kept = place.exists() and place.rename(tmp_path / "kept")
-        place.mkdir(parents=True)
-        with pytest.raises(SystemExit, match="1"):
-            opened()
-        (line,) = capsys.readouterr().err.splitlines()
-        assert re.fullmatch(rf"slider: expected .* {place}, found.* (folder|Is a directory)", line)
-        place.rmdir()
-        if kept:
-            kept.rename(place)
-
-
-def test_a_python_without_docstrings_is_one_line(monkeypatch, capsys):
-    monkeypatch.setattr(sys, "flags", SimpleNamespace(optimize=2))
-    with pytest.raises(SystemExit, match="1"):
-        opened()
-    assert capsys.readouterr().err == "slider: PYTHONOPTIMIZE: expected at most 1, found 2\n"
 
 
 def test_no_remote_fails_a_run(capsys):

@@ -29,7 +29,6 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.plan import JobSpec
 from slider.artefacts.run_metadata import parse_metadata
 from slider.core import files
 from slider.core.errors import UserError, not_read
@@ -91,13 +90,6 @@ class Store:
     def progress_path(self, stage: str, recipe: str) -> Path:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
-
-    def places(self, jobs: Iterable[JobSpec]) -> list[Path]:
-        """Files that the pipeline writes in the store."""
-        folders = ("objects", "index", "locks", "plans", "current", "cache")
-        of_a_job = (self.manifest_path, self.log_path, self.progress_path)
-        found = [place(job.stage, job.recipe) for job in jobs for place in of_a_job]
-        return [*(self.root / name / "any" for name in folders), *found]
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:

@@ -3,7 +3,6 @@
 import errno
 import os
 import re
-import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -39,13 +38,7 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
     require(value in options, key, f"one of {', '.join(map(str, options))}", value)
 
 
-def require_docstrings() -> None:
-    """Refuse a Python without docstrings: they are the meanings of terms and values."""
-    require(sys.flags.optimize < 2, "PYTHONOPTIMIZE", "at most 1", sys.flags.optimize)
-
-
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-_OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
 _FOLDERS = ("reports", ".snakemake")
 # Messages of numpy and torch about a full disk, which lack its number.
 _SHORT = re.compile(
@@ -54,11 +47,6 @@ _SHORT = re.compile(
 
 # What torch, CasADi, MuJoCo and CUDA say instead of a MemoryError.
 _NO_MEMORY = re.compile(r"(can't|not) allocate memory|bad_alloc|out of memory", re.IGNORECASE)
-
-
-def is_read_only(error: BaseException) -> bool:
-    """Tell whether something may be read but not written."""
-    return isinstance(error, OSError) and error.errno in (errno.EROFS, *_OF_RIGHTS)
 
 
 def not_written(error: BaseException, place: Path) -> UserError | None:

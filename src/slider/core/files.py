@@ -5,13 +5,13 @@ import json
 import math
 import os
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from slider.core.errors import UserError, not_read
+from slider.core.errors import not_read
 
 TEMPORARY_PATTERN = ".*.part"
 
@@ -57,23 +57,6 @@ def sync(*paths: Path) -> None:
                 raise
         finally:
             os.close(descriptor)
-
-
-def check_places(paths: Iterable[Path]) -> None:
-    """Check that files can be where some paths say, and folders where their parents are.
-
-    Raises:
-        UserError: a folder is in the place of a file, or something else in that of a folder.
-    """
-    paths = list(paths)
-    for folder in sorted({parent for path in paths for parent in path.parents}):
-        if os.path.lexists(folder) and not folder.is_dir():
-            link = f"a link to {folder.readlink()}" if folder.is_symlink() else "a file"
-            found = link if folder.exists() else f"{link}, which is not there"
-            raise UserError(f"expected a folder at {folder}, found {found}")
-    for path in paths:
-        if path.is_dir():
-            raise UserError(f"expected a file at {path}, found a folder")
 
 
 def entries(folder: Path) -> list[Path]:

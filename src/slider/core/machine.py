@@ -7,7 +7,7 @@ recipes of the stages whose bytes depend on it.
 import importlib
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import Any
 from slider.core.errors import UserError
 
 _CPUINFO = Path("/proc/cpuinfo")
-_CGROUPS, _OWN_CGROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
+_QUOTA = Path("/sys/fs/cgroup/cpu.max")
 _LEVELS = {  # highest first, with flags of the processor
     "amx": ("amx_bf16", "amx_tile", "avx512_bf16"),
     "avx512_bf16": ("avx512_bf16",),
@@ -34,28 +34,13 @@ def machine() -> str:
 
 
 def cores() -> int:
-    """Cores that this process may use: those of its affinity mask, within its cgroups' quotas."""
+    """Cores that this process may use: those of its affinity mask, within a container's quota."""
     affinity = getattr(os, "sched_getaffinity", None)
-    return max(1, min([len(affinity(0)) if affinity else os.cpu_count() or 1, *_quotas()]))
-
-
-def _quotas() -> Iterator[int]:
-    """Quotas of the cgroups that hold this process, in cores rounded up."""
-    text = _OWN_CGROUPS.read_text(encoding="utf-8") if _OWN_CGROUPS.is_file() else ""
-    for controllers, place in (line.split(":", 2)[1:] for line in text.splitlines()):
-        if not controllers:  # version 2
-            root, names = _CGROUPS, ["cpu.max"]
-        elif "cpu" in controllers.split(","):
-            root, names = _CGROUPS / "cpu", ["cpu.cfs_quota_us", "cpu.cfs_period_us"]
-        else:
-            continue
-        own = root / place.strip("/")
-        for folder in (own, *own.parents):  # in a container the first may not be there
-            with suppress(OSError):
-                texts = [(folder / name).read_text(encoding="utf-8") for name in names]
-                quota, period = " ".join(texts).split()
-                if quota.isdigit():  # else max or -1
-                    yield -(-int(quota) // int(period))
+    own = len(affinity(0)) if affinity else os.cpu_count() or 1
+    with suppress(OSError, ValueError):  # no quota, or "max"
+        quota, period = map(int, _QUOTA.read_text(encoding="utf-8").split())
+        own = min(own, -(-quota // period))
+    return own
 
 
 @cache

@@ -52,7 +52,6 @@ class Compiled:
 
     def __init__(self, job: Job, subject: str, min_pending_jobs: int = 1) -> None:
         self._job, self._subject, self._min_pending_jobs = job, subject, min_pending_jobs
-        self._run = job.metadata.get("pipeline_started", "")
 
     def __call__(self, parameters: Any, derive: Callable[[], Functions]) -> Functions:
         """Functions that depend on ``parameters`` and the job's source alone."""
@@ -60,44 +59,34 @@ class Compiled:
             return derive()
         machine = sys.platform, platform.machine()
         path = self._job.cache / f"{files.digest_value([parameters, *machine])}.so"
-        if (names := self._names(path)) is not None:
-            return _load(path, names) or derive()
+        note = path.with_suffix(".json")
+        if note.is_file():
+            return _load(path, files.read_json(note)) or derive()
         functions = derive()
         compiler = _compiler()
         if self._job.waiting < self._min_pending_jobs or not compiler:
             return functions
         path.parent.mkdir(parents=True, exist_ok=True)
-        with (
-            suppress(Timeout),
-            FileLock(path.with_suffix(".lock"), -1 if self._min_pending_jobs == 1 else 0),
-        ):
-            if (names := self._names(path)) is None:
-                names = self._compile(path, functions, compiler)
-        return _load(path, names or []) or functions
-
-    def _names(self, path: Path) -> list[str] | None:
-        """Functions of a library, none if this pipeline run cannot have one; None: not tried."""
-        with suppress(OSError, ValueError, KeyError, TypeError):
-            note = files.read_json(path.with_suffix(".json"))
-            if note["functions"]:
-                return note["functions"] if path.is_file() else None
-            return [] if note["failed_in"] in (None, self._run) else None
-        return None
+        blocking = self._min_pending_jobs == 1
+        with suppress(Timeout), FileLock(path.with_suffix(".lock"), blocking=blocking):
+            if not note.is_file():
+                files.write_json(note, self._compile(path, functions, compiler))
+            return _load(path, files.read_json(note)) or functions
+        return functions
 
     def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> list[str]:
-        """Compile, compare and keep functions; names of those kept, and a note of them."""
-        start, names, failed_in = time.perf_counter(), list(functions), None
+        """Compile, compare and keep functions; names of those kept."""
+        start, names = time.perf_counter(), list(functions)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             library = _build(functions, Path(folder), compiler)
             loaded = _load(library, names) if library else {}
             if not library or not loaded:
-                outcome, names, failed_in = "interpreted, as they did not compile", [], self._run
+                outcome, names = "interpreted, as they did not compile", []
             elif not _agree(functions, loaded):
                 outcome, names = "interpreted, as the compiler changes bits", []
             else:
                 library.replace(path)
                 outcome = f"compiled in {time.perf_counter() - start:.1f} s"
-        files.write_json(path.with_suffix(".json"), {"functions": names, "failed_in": failed_in})
         self._job.progress(f"functions of the {self._subject}: {outcome}")
         return names
 

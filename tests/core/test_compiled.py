@@ -30,7 +30,7 @@ def compilations() -> int:
     expected = values * (1.0 / 3.0) + SHIFT
     function(values, 1.0 / 3.0)
     np.testing.assert_array_equal(values, expected)
-    return len(function.dispatcher.stats.cache_misses)
+    return len(function.stats.cache_misses)
 
 
 def test_cache_serves_one_source_and_its_constants(cache, monkeypatch):
@@ -66,7 +66,7 @@ def test_hidden_settings_of_numba_do_not_apply(hidden, cache, tmp_path, monkeypa
 def test_instructions_are_those_of_any_processor_with_avx2(cache):
     function = compiled(rise)
     function(np.zeros(3), 2.0)
-    (code,) = function.dispatcher.inspect_asm().values()
+    (code,) = function.inspect_asm().values()
     assert "ymm" in code
     assert "zmm" not in code
     assert "vfmadd" not in code, "a fused sum rounds once"

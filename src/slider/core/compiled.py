@@ -15,7 +15,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cached_property, partial, update_wrapper
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -36,7 +36,23 @@ def compiled(function: F) -> F:
     It may use numbers, arrays and ``part``s of its own module only: these and the source of the
     module tell whether the machine code is up to date.
     """
-    return cast(F, _Compiled(function))
+    folder = _folder(function)
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):  # numba would take another folder
+        return cast(F, _njit(function))
+    _SETTINGS.CACHE_DIR = str(folder)
+    return cast(F, _njit(function, cache=True))
+
+
+def _folder(function: Callable[..., Any]) -> Path:
+    source = Path(function.__code__.co_filename)
+    values = function.__globals__.items()
+    constants = {n: v for n, v in values if isinstance(v, int | float | tuple | np.ndarray)}
+    plain = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
+    digest = hashlib.sha256(source.read_bytes() + repr(plain).encode()).hexdigest()
+    parent = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
+    return parent / f"{source.stem}.{function.__qualname__}-{digest[:16]}"
 
 
 def part(function: F) -> F:
@@ -56,34 +72,3 @@ def _fix_settings() -> None:
 
 
 _fix_settings()  # before numba compiles anything
-
-
-class _Compiled:
-    """A function whose machine code is loaded or compiled when it is first called."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self._function = function
-        update_wrapper(self, function)
-
-    def __call__(self, *arguments: Any) -> Any:
-        return self.dispatcher(*arguments)
-
-    @cached_property
-    def dispatcher(self) -> Any:
-        """Numba's dispatcher, with a cache where one can be written."""
-        folder = self._folder()
-        with suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK):  # numba would take another folder
-            return _njit(self._function)
-        _SETTINGS.CACHE_DIR = str(folder)
-        return _njit(self._function, cache=True)
-
-    def _folder(self) -> Path:
-        source = Path(self._function.__code__.co_filename)
-        values = self._function.__globals__.items()
-        constants = {n: v for n, v in values if isinstance(v, int | float | tuple | np.ndarray)}
-        plain = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
-        digest = hashlib.sha256(source.read_bytes() + repr(plain).encode()).hexdigest()
-        parent = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
-        return parent / f"{source.stem}.{self._function.__qualname__}-{digest[:16]}"

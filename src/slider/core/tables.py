@@ -58,13 +58,11 @@ class Table(NamedTuple):
     @property
     def latex(self) -> str:
         r"""A ``tabular`` for ``\input`` below its caption; needs the package booktabs."""
-        head, *body = (
-            " & ".join(map(_latex, line)) + r" \\" for line in (self.columns, *self.rows)
-        )
+        cells = [list(map(_latex, line)) for line in (self.columns, *self.rows)]
         form = "l" + "r" * (len(self.columns) - 1)
-        lines = [rf"\begin{{tabular}}{{{form}}}", r"\toprule", head, r"\midrule"]
-        lines += [*body, r"\bottomrule", r"\end{tabular}", ""]
-        return "\n".join([f"{escape(self.caption)}\n"] * bool(self.caption) + lines)
+        table = pd.DataFrame(cells[1:], columns=cells[0])
+        text = table.to_latex(index=False, column_format=form, escape=False)
+        return "\n".join([f"{escape(self.caption)}\n"] * bool(self.caption) + [text])
 
 
 def _latex(cell: str) -> str:

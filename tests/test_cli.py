@@ -60,7 +60,7 @@ def test_an_unknown_command_names_those_of_people(refused):
     ("arguments", "line"),
     [
         ("play --velocity 1.2 0", "play: argument --velocity: expected 3 arguments"),
-        ("gait show --vx abc", "gait show: argument --vx: invalid float value: 'abc'"),
+        ("play --seed abc", "play: argument --seed: invalid int value: 'abc'"),
         ("store", "store: the following arguments are required: action"),
         ("results NOPAGE.md", "NOPAGE.md: No such file or directory"),
     ],

@@ -24,8 +24,7 @@ COMMANDS = {
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "why": ("slider.commands.why", "show what would be computed, because of which change"),
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
-    "library": ("slider.commands.gaits:library", "show what is in the gait library"),
-    "gait": ("slider.commands.gaits:gait", "show or export one gait of the library"),
+    "library": ("slider.commands.library", "show what is in the gait library"),
     "policy": ("slider.commands.policy", "show or export a trained policy"),
     "results": ("slider.commands.results", "fill the documentation's result blocks"),
 }

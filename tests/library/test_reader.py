@@ -1,18 +1,15 @@
-"""Reading the library: what is refused, which velocity is which gait, one gait as a table."""
+"""Reading the library: what is refused and which velocity is which gait."""
 
 import shutil
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import zarr
 
 from slider.core.errors import UserError
-from slider.library.export import write_csv
 from slider.library.reader import CONSTRAINT, GaitLibrary
-from tests.env.synthetic import CHANNELS, JOINTS
-from tests.library.gaits import value, write_store
+from tests.library.gaits import write_store
 
 GAITS, HOLES = [(0.0, 0.0), (0.5, 0.1)], [(0.5, 0.0)]
 
@@ -67,18 +64,3 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
     np.testing.assert_array_equal(library.straight.velocities, [velocities[1], velocities[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
-
-
-def test_csv_has_a_row_per_sample_and_units_in_its_header(store, tmp_path: Path):
-    write_csv(GaitLibrary.load(store), 1, tmp_path / "gait.csv")
-    table, samples = pd.read_csv(tmp_path / "gait.csv"), value("samples", *GAITS[1])
-    assert table.shape == (42, 2 + 26 + 13 + 12 + 6)
-    expected = {
-        "left_slide.position [m]": samples[:, CHANNELS.index("left_slide.position")],
-        "right_ankle.velocity [rad/s]": samples[:, CHANNELS.index("right_ankle.velocity")],
-        "left_slide.effort [N]": value("efforts", *GAITS[1])[:, JOINTS.index("left_slide")],
-        "base_motion.z [m]": value("base", *GAITS[1])[:, 2],
-    }
-    for column, values in expected.items():
-        np.testing.assert_allclose(table[column], values, rtol=1e-9)
-    assert set(table["stance"]) <= {"left", "right"}

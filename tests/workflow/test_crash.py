@@ -23,7 +23,6 @@ LONGER = f"{QUIET} train.walking.iterations=5"
 LOOKS = [
     ["store", "ls"],
     ["library", "show"],
-    ["gait", "show", "--vx", "0.4"],
     ["play", "--headless", "--seconds", "0.1"],
 ]
 

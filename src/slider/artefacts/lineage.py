@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from slider.artefacts.current import recent_plans
-from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 

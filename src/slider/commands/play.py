@@ -151,7 +151,7 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     Raises:
         UserError: there is no such agent, policy or library, or they contradict each other.
     """
-    from slider.commands.gaits import current_gaits, library_path
+    from slider.commands.library import current_gaits, library_path
     from slider.composition.compose import compose
     from slider.control import POLICY_FILE
     from slider.env.terms import checked

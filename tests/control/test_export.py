@@ -109,14 +109,9 @@ def test_the_command_exports_and_shows(folder, tmp_path, refused, capsys):
     assert main(["policy", "export", path, "--out", str(out), "--conf", str(CONF)]) == 0
     assert "largest difference of a joint target in a roll-out: " in capsys.readouterr().out
     assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)
-    size = sum(load_policy(folder / POLICY_FILE).observations.values())
-    for shown in (path, str(folder)):
-        assert main(["policy", "show", shown]) == 0
-        text = capsys.readouterr().out
-        for part in (f"{size} × 24 × 16 × 12, elu", "actions about   the gait", "left_slide"):
-            assert part in text
-    assert main(["policy", "show", "--json", path]) == 0
-    assert json.loads(capsys.readouterr().out)["robot"] == "slider"
+    assert main(["policy", "show", path]) == 0
+    shown, written = json.loads(capsys.readouterr().out), json.loads((out / LAYOUT).read_text())
+    assert shown["observation"] == written["observation"] != []
     (tmp_path / POLICY_FILE).write_text("not a policy")
     assert "expected a policy file" in refused("policy", "show", str(tmp_path / POLICY_FILE))
 

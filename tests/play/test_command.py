@@ -25,7 +25,7 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
     [
         ("--gait 0.6", "--gait: expected VX VY [YAW_RATE], found 1 values"),
         ("zero --velocity 9 0 0", "--velocity: expected VX between -1 and 3, found 9"),
-        ("zero --web --port 99999", "--port: expected a number from 0 to 65535, found"),
+        ("zero --web --port 99999", "--port: expected a free port at 127.0.0.1, found 99999"),
         ("zero --film w.mp4", "--film: expected a name that ends with .webp, found w.mp4"),
         ("walker", f"agent: expected one of {', '.join(AGENTS)}, random, found walker"),
         ("", "make it with `snakemake -j2 policy`"),

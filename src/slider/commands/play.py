@@ -1,7 +1,6 @@
 """``slider play``: watch a policy, a controller of ``conf/control``, a gait or a smoke agent."""
 
 import argparse
-import math
 import os
 from functools import partial
 from pathlib import Path
@@ -36,14 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--gait",
-        type=finite,
+        type=float,
         nargs="+",
         metavar=("VX", "VY"),
         help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
     parser.add_argument(
-        "--velocity", type=finite, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY
+        "--velocity", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY
     )
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
@@ -62,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="with --film: three speeds, a push, a slope and stairs beside each other",
     )
-    parser.add_argument("--seconds", type=finite, help="stop after this time [s]")
+    parser.add_argument("--seconds", type=float, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
     parser.add_argument(
         "--set",
@@ -121,17 +120,6 @@ def run(arguments: argparse.Namespace) -> int:
 
     web.run(scene, control, arguments.seconds, arguments.host, arguments.port)
     return 0
-
-
-def finite(text: str) -> float:
-    """A number of an option.
-
-    Raises:
-        ArgumentTypeError: it is infinite or none.
-    """
-    if not math.isfinite(value := float(text)):
-        raise argparse.ArgumentTypeError(f"expected a finite number, found {text}")
-    return value
 
 
 def check(arguments: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ import socket
 import sys
 
 from slider.artefacts.current import add_store_argument
-from slider.core.errors import UserError, require
+from slider.core.errors import UserError
 from slider.tracking import DATABASE, LATEST
 
 HOST = "127.0.0.1"
@@ -35,15 +35,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def check_port(port: int, host: str) -> None:
     """Refuse a port that does not exist or is taken, and a host that is not this machine."""
-    require(0 <= port < 1 << 16, "--port", "a number from 0 to 65535", port)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind(address)
-    except socket.gaierror as error:
-        raise UserError(f"--host: expected an address, found {host}: {error.strerror}") from None
-    except OSError as error:
-        raise UserError(
-            f"--port: expected a free port at {host}, found {port}: {error.strerror}"
-        ) from None
+        socket.create_server((host, port), family=family).close()
+    except (OSError, OverflowError) as error:
+        raise UserError(f"--port: expected a free port at {host}, found {port}: {error}") from None

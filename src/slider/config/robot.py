@@ -303,13 +303,6 @@ class Geometry(t.Group):
         return float(np.arctan2(np.cross(thigh, shank) @ axis, thigh @ shank))
 
     @property
-    def is_planar(self) -> bool:
-        """Whether a leg gets longer by slide, or pitch, knee and ankle about one direction."""
-        turns = (self.axes.pitch_direction, self.knee_direction, self.ankle_direction)
-        parallel = set(turns) == {(0.0, 1.0, 0.0)} and self.axes.order[-1] == "hip_pitch"
-        return self.knee is None or parallel
-
-    @property
     def standing_height(self) -> float:
         """Base above the ground, all joints at zero [m]."""
         return self.leg_length + self.ankle_height - self.hip[2]

@@ -217,21 +217,10 @@ def leg_extension_jacobian(geometry: Geometry, joints: Array, leg: int) -> Array
     Along it the leg gets longer, its direction and that of the foot's line stay. A knee that is
     almost straight, or beyond, counts as bent by some 10°: there no angle makes the leg longer.
     """
-    xp, extension = namespace(joints), joints[:, leg * LEG_SIZE + EXTENSION]
-    zero = 0.0 * extension
-    if not geometry.is_planar:
-        tilted = _Tilted.of(geometry, joints, leg)
-        return tilted.towards(geometry, tilted.away, 0.0 * tilted.away)
     if geometry.knee is None:
-        return _sagittal(geometry, zero, zero + 1.0, zero)
-    x, length, sense = geometry.knee[0], geometry.leg_length, -math.copysign(1.0, geometry.knee[0])
-    far, deep = _hip_to_ankle(geometry, extension)
-    along, down = far - x, deep - geometry.knee[2]  # the shank
-    square = far**2 + deep**2
-    turn = (down * deep + far * along) / square  # of the leg per angle of the knee
-    grown = sense * (far * down - deep * along) / xp.sqrt(square)
-    grown = sense * grown.clip(_LEAST_GROWTH * length, None)
-    return _sagittal(geometry, -turn, zero + 1.0, turn - 1.0) / grown[:, None]
+        return _slid(zeros(len(joints), joints) + 1.0)
+    bent = _Bent.of(geometry, joints, leg)
+    return bent.towards(geometry, bent.away, 0.0 * bent.away)
 
 
 def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Array:
@@ -240,42 +229,31 @@ def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Ar
     As :func:`leg_extension_jacobian`, exactly, at joint positions (N, 12). A leg with a knee gets
     as long as it can.
     """
-    xp, extension = namespace(joints), joints[:, leg * LEG_SIZE + EXTENSION]
-    zero = 0.0 * extension
     if geometry.knee is None:
-        return _sagittal(geometry, zero, longer, zero)
+        return _slid(longer)
     x, _, z = geometry.knee
     thigh, shank = math.hypot(x, z), math.hypot(x, geometry.leg_length + z)
-    bounds = abs(thigh - shank), _STRAIGHTEST * (thigh + shank)
-    if not geometry.is_planar:
-        start = _Tilted.of(geometry, joints, leg)
-        length = (start.length[:, 0] + longer).clip(*bounds)[:, None]
-        goal, moved = start.ankle + (length - start.length) * start.away, 1.0 * joints
-        change = moved[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_GAIT_JOINTS]
-        for _ in range(_ITERATIONS):
-            now = _Tilted.of(geometry, moved, leg)
-            turn = xp.linalg.cross(now.line, start.line)
-            change += now.towards(geometry, goal - now.ankle, turn)
-        return change - joints[:, leg * LEG_SIZE : leg * LEG_SIZE + LEG_GAIT_JOINTS]
-    before = _hip_to_ankle(geometry, extension)
-    length = ((before[0] ** 2 + before[1] ** 2) ** 0.5 + longer).clip(*bounds)
-    cosine = (length**2 - thigh**2 - shank**2) / (2 * thigh * shank)
-    knee = math.copysign(1.0, x) * xp.acos(cosine.clip(-1.0, 1.0)) - geometry.bend
-    after = _hip_to_ankle(geometry, knee)
-    turn = xp.atan2(-after[0], -after[1]) - xp.atan2(-before[0], -before[1])
-    bent = knee - extension
-    return _sagittal(geometry, -turn, bent, turn - bent)
+    start = _Bent.of(geometry, joints, leg)
+    length = (start.length[:, 0] + longer).clip(abs(thigh - shank), _STRAIGHTEST * (thigh + shank))
+    goal = start.ankle + (length[:, None] - start.length) * start.away
+    driven = slice(leg * LEG_SIZE, leg * LEG_SIZE + LEG_GAIT_JOINTS)
+    moved = 1.0 * joints
+    for _ in range(_ITERATIONS):
+        now = _Bent.of(geometry, moved, leg)
+        turn = namespace(joints).linalg.cross(now.line, start.line)
+        moved[:, driven] += now.towards(geometry, goal - now.ankle, turn)
+    return moved[:, driven] - joints[:, driven]
 
 
-def _sagittal(geometry: Geometry, pitch: Array, extension: Array, ankle: Array) -> Array:
-    """Values of a leg's driven joints (N, 5), of which roll and yaw have none."""
-    values = dict(zip(geometry.sagittal, (pitch, extension, ankle), strict=True))
-    columns = [values.get(place, 0.0 * extension) for place in range(LEG_GAIT_JOINTS)]
-    return namespace(extension).stack(columns, axis=-1)
+def _slid(longer: Array) -> Array:
+    """Driven joints of a leg (N, 5) of which the slide alone moves, by lengths (N,) [m]."""
+    values = zeros((len(longer), LEG_GAIT_JOINTS), longer)
+    values[:, EXTENSION] = longer
+    return values
 
 
-class _Tilted(NamedTuple):
-    """A leg of N robots whose joints turn about any axes, in the base's frame.
+class _Bent(NamedTuple):
+    """A leg with a knee of N robots, in the base's frame.
 
     Attributes:
         ankle, line: place (N, 3) [m]; unit vector along the foot's line (N, 3).
@@ -293,7 +271,7 @@ class _Tilted(NamedTuple):
     turns: Array
 
     @classmethod
-    def of(cls, geometry: Geometry, joints: Array, leg: int) -> "_Tilted":
+    def of(cls, geometry: Geometry, joints: Array, leg: int) -> "_Bent":
         """At joint positions (N, 12)."""
         xp, cross = namespace(joints), namespace(joints).linalg.cross
         level = asarray(np.tile(np.eye(3), (len(joints), 1, 1)), joints)
@@ -339,13 +317,6 @@ class _Tilted(NamedTuple):
         upper = xp.concat([still + carried * bent, bent], axis=1)
         rest = turned[:, 0] - (turns[:, 0, :ANKLE] * upper).sum(-1)
         return xp.concat([upper, (rest / turns[:, 0, ANKLE])[:, None]], axis=1)
-
-
-def _hip_to_ankle(geometry: Geometry, knee: Array) -> tuple[Array, Array]:
-    """Ankle from the pitch axis, forward and up with roll and yaw below it at zero [m]."""
-    xp, (x, _, z) = namespace(knee), geometry.knee or (0.0, 0.0, 0.0)
-    sine, cosine, shank = xp.sin(knee), xp.cos(knee), geometry.leg_length + z
-    return x - x * cosine - shank * sine, z + x * sine - shank * cosine
 
 
 def _ends(geometry: Geometry, leg: _Leg) -> Array:

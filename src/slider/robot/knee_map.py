@@ -29,13 +29,13 @@ class Triangle(NamedTuple):
         length: from hip to ankle [m].
         shifts: angles of the thigh ahead of that line, of the shank behind it [rad].
         rates: derivatives of both shifts and of the length.
-        curvatures: second derivatives of these; the paper states none.
+        curvatures: second derivatives of these; the paper states none, here 0.
     """
 
     length: np.ndarray
     shifts: tuple[np.ndarray, np.ndarray]
     rates: tuple[np.ndarray, np.ndarray, np.ndarray]
-    curvatures: tuple[np.ndarray, np.ndarray, np.ndarray] | None
+    curvatures: tuple[np.ndarray | float, ...]
 
 
 def sides(theta: Any, l1: float, l2: float, xp: Any = np) -> tuple[Any, Any, Any]:
@@ -53,7 +53,7 @@ def triangle(theta: np.ndarray, l1: float, l2: float, variant: str = "exact") ->
     if variant == "paper":
         printed = l2 / length * theta, l1 / length * theta
         slopes = l2 / length * cosine, l1 / length * cosine, -2 * l1 * l2 * cosine
-        return Triangle(length, printed, slopes, None)
+        return Triangle(length, printed, slopes, (0.0, 0.0, 0.0))
     hip, ankle = l2 * (l2 + l1 * cosine) / length**2, l1 * (l1 + l2 * cosine) / length**2
     bend = l1 * l2 * sine * (l2**2 - l1**2) / length**4
     slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
@@ -86,38 +86,32 @@ def prismatic_joints(
     Upper feet rest; ``slide`` is zero at the nominal leg length. Without a virtual knee q and v are
     the leg's own.
     """
-    if (lengths := KneeLengths.of(robot)) is not None:
-        terms = triangle(q[_KNEE], lengths.thigh, lengths.shank, variant)
-        v = _moved(v, terms.rates, v[_KNEE])
-        q = _placed(q, terms, lengths.nominal)
+    q, v, _ = prismatic_motion(q, v, 0.0 * v, KneeLengths.of(robot), variant)
     return all_joints(q), all_joints(v)
 
 
 def prismatic_motion(
-    q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths | None
+    q: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
+    lengths: KneeLengths | None,
+    variant: str = "exact",
 ) -> Motion:
     """Driven prismatic joints (..., 10) of knee legs, with first and second derivatives: eq. 1.
 
-    q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k with the exact geometry; derivatives over time or over
-    anything else. Without ``lengths`` the joints are the leg's own.
+    q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k; derivatives over time or over anything else. Without
+    ``lengths`` the joints are the leg's own.
     """
     if lengths is None:
         return q, v, a
-    terms = triangle(q[_KNEE], lengths.thigh, lengths.shank)
-    assert terms.curvatures is not None  # of the exact map
+    terms = triangle(q[_KNEE], lengths.thigh, lengths.shank, variant)
     turn = _moved(a, terms.rates, a[_KNEE])
     for index, sign, bend in zip(_SAGITTAL, (-1.0, -1.0, 1.0), terms.curvatures, strict=True):
         turn[index] += sign * bend * v[_KNEE] ** 2
-    return _placed(q, terms, lengths.nominal), _moved(v, terms.rates, v[_KNEE]), turn
-
-
-def _placed(q: np.ndarray, terms: Triangle, nominal: float) -> np.ndarray:
-    """Eq. 1, left."""
-    hip, ankle = terms.shifts
-    position = q.copy()
+    position, (hip, ankle) = q.copy(), terms.shifts
     position[_PITCH], position[_ANKLE] = q[_PITCH] - hip, q[_ANKLE] - ankle
-    position[_KNEE] = terms.length - nominal
-    return position
+    position[_KNEE] = terms.length - lengths.nominal
+    return position, _moved(v, terms.rates, v[_KNEE]), turn
 
 
 def _moved(values: np.ndarray, rates: Sequence[np.ndarray], knee: np.ndarray) -> np.ndarray:

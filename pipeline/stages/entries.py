@@ -40,7 +40,7 @@ STAGES = {
     "evaluation": Stage("slider.evaluation.stage:run"),
     "baseline": Stage("slider.evaluation.stage:run"),
     "gauge_axis": Stage("slider.evaluation.gauge:run"),
-    "gauge": Stage("slider.reports.gauge:run", (*compared("gauge"), "gauge_cells.csv")),
+    "gauge": Stage("slider.reports.gauge:run", (*tables("gauge"), "gauge_cells.csv")),
     "drake_audit": Stage("slider.evaluation.drake:run_audit"),
     "drake_evaluation": Stage("slider.evaluation.drake:run"),
     "second_engine": Stage("slider.reports.second_engine:run", tables("second_engine")),

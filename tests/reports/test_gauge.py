@@ -70,7 +70,7 @@ def test_files(tmp_path):
     summary = gauge.run(section, {"cells": folders}, out, Job(tmp_path))
     assert summary == {"rows": 6, "gauge": {"policy": 2.0, "hzd": 1.5}}
     names = {path.name for path in out.iterdir()}
-    assert names == {"gauge.csv", "gauge_cells.csv", "gauge.md", "gauge.svg"}
+    assert names == {"gauge.csv", "gauge_cells.csv", "gauge.md"}
     assert "hzd,HZD,slope_up,0,,0,," in (out / "gauge.csv").read_text().splitlines()
     assert "| gauge number | **2.0** | **1.5** |" in (out / "gauge.md").read_text()
     assert len(read(out / "gauge_cells.csv")) == len(joined())

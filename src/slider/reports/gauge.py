@@ -6,7 +6,6 @@ mean of its levels over the axes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -17,8 +16,6 @@ from slider.core.quantities import Quantity
 from slider.core.tables import Table
 from slider.evaluation.gauge import CSV, words
 from slider.reports import report
-from slider.reports.figures.gauge import draw, pass_rates
-from slider.reports.report import picture
 
 NUMBER = "gauge number"
 _CAPTION = """\
@@ -26,16 +23,13 @@ Each level has {trials} seeds × {robots} robots at each of {speeds} m/s, {durat
 robot passes if it stays up and covers at least {distance:.0%} of the commanded distance. The level
 of an axis is the highest one up to which, at every level, at least {share:.0%} of the robots
 pass, over all speeds, seeds and directions of pushes. The gauge number is the mean of the levels.
-Above: levels of each axis. Below: share of robots that pass, by direction in which the robot is
-pushed (forward is up, left is left) and impulse [N s]; grey was not simulated.
-
 Above a level that no robot passes none is simulated (–). `gauge_cells.csv` has each speed,
 seed and direction.
 """
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``gauge.csv``, ``gauge_cells.csv``, ``gauge.md`` and ``gauge.svg``."""
+    """Write ``gauge.csv``, ``gauge_cells.csv`` and ``gauge.md``."""
     labels, parts = section["labels"], []
     for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True):
         names = pd.DataFrame({"controller": [controller], "axis": [axis]})
@@ -46,9 +40,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     protocol = section["protocol"]
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = _CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]})
-    parts = [picture("gauge"), caption, *gauge_tables(frame)]
-    figure = partial(draw, frame, cells, labels)
-    report.write(out / "gauge", "Gauge", section["robot"], frame, figure, parts)
+    parts = [caption, *gauge_tables(frame)]
+    report.write(out / "gauge", "Gauge", section["robot"], frame, None, parts)
     numbers = frame[frame["axis"] == NUMBER].set_index("controller")["level"].to_dict()
     job.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
     return {"rows": len(frame), "gauge": numbers}
@@ -63,7 +56,8 @@ def gauge_frame(cells: pd.DataFrame, labels: Mapping[str, str], survival: float)
     for controller, mine in cells.groupby("controller", sort=False):
         about, levels = {"controller": controller, "label": labels[str(controller)]}, []
         for axis, tested in mine.groupby("axis", sort=False):
-            rates = pass_rates(tested, ["level"])
+            counts = tested.groupby("level")[["passed", "robots"]].sum(min_count=1)
+            rates = counts["passed"] / counts["robots"]
             level = highest_level(rates, survival)
             value = tested["value"][tested["level"] == level]
             row = about | {"axis": axis, "level": level}

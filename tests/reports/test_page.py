@@ -8,7 +8,7 @@ import pandas as pd
 from slider.core.job import Job
 from slider.reports import page
 from slider.reports.figures.style import style
-from slider.reports.figures.walking import draw_overview, draw_training
+from slider.reports.figures.walking import draw_training
 from slider.reports.html import html
 from slider.reports.sections import SECTIONS
 from slider.reports.table1 import paper_rows
@@ -77,14 +77,6 @@ def test_the_finding_has_the_worst_numbers_and_the_papers():
     sentence = page.finding(pd.concat([ours, paper_rows()], ignore_index=True))
     for part in ("**99.8 %**", "**0.0123 m²/s²**", "up to 3.0 m/s (guided RL (paper): 73.1 %"):
         assert part in sentence
-
-
-def test_the_overview_draws_every_controller_and_leaves_infinite_errors_out():
-    frame = pd.DataFrame([row(0.2, 1.0, 0.001), row(3.0, 0.5, np.inf)])
-    with style():
-        success, errors = draw_overview(frame).axes
-    np.testing.assert_allclose(success.lines[0].get_ydata(), [100, 50])
-    np.testing.assert_array_equal(errors.lines[0].get_ydata(), [0.001, np.nan])
 
 
 def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):

@@ -1,7 +1,6 @@
 """The stage ``report``: one self-contained page, of what the reports say and of what is below."""
 
 import json
-import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -23,6 +22,7 @@ from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.sections import page_section
+from slider.reports.table1 import TRADEOFF
 from slider.reports.video import ABOUT, FILM
 from slider.training.results import Training
 
@@ -75,11 +75,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     page, names, shown = Page(section, inputs, out, job), section["report"]["sections"], {}
     for name in names:
         about = page_section(name)
-        parts = [(about.about, {}), *(_document(inputs, place) for place in about.documents)]
         if name in WRITERS:
-            parts.append((tables.markdown(WRITERS[name](page)), page.files))
-        else:  # the section's heading is in the place of its own
-            parts[1] = re.sub(r"\A# .*", "", parts[1][0]), parts[1][1]
+            parts = [(tables.markdown(WRITERS[name](page)), page.files)]
+        else:  # the section's heading is in the place of its first report's
+            first, *others = (_document(inputs, place) for place in about.documents)
+            parts = [(re.sub(r"\A# .*", "", first[0]), first[1]), *others]
         shown[name] = about.title, "".join(html.html(*part) for part in parts)
     text = html.page(_TITLE, shown)
     (out / PAGE).write_text(text, encoding="utf-8")
@@ -96,18 +96,16 @@ def _document(inputs: Inputs, place: str) -> tuple[str, dict[str, Path]]:
     return (folder / file).read_text(encoding="utf-8"), files
 
 
-def overview(page: Page) -> Iterator[str | Table]:
-    """One sentence; the robot walking, success and error over the speed; what was computed."""
-    frame = tables.read(page.inputs["table1"][0] / "table1.csv")
+def overview(page: Page) -> Iterator[str]:
+    """One sentence; the robot walking beside error over cost of transport."""
+    (folder,) = page.inputs["table1"]
+    frame = tables.read(folder / "table1.csv")
     yield finding(frame)
     films = [about for about in page.films() if about["fell_at"] is None]
     films.sort(key=lambda about: (about["controller"] != frame["controller"][0], -about["speed"]))
     first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]
-    yield "\n".join([*first, page.draw("overview", partial(walking.draw_overview, frame))])
-    printed = " Dotted: the paper's numbers." if PAPER in set(frame["source"]) else ""
-    yield f"Success rate, and velocity MSE after the warm-up of the robots that survive.{printed}"
-    facts = _facts(page.section["configuration"])
-    yield Table([*facts], [[*facts.values()]])
+    page.files[TRADEOFF] = folder / f"{TRADEOFF}.svg"
+    yield "\n".join([*first, f"![Velocity error over cost of transport]({TRADEOFF})"])
 
 
 def finding(frame: pd.DataFrame) -> str:
@@ -126,24 +124,6 @@ def finding(frame: pd.DataFrame) -> str:
         f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
         f"warm-up is at most **{mse.text(mine['mse_steady'].max())} m²/s²**."
     )
-
-
-def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
-    """Robot, commanded speeds, and amounts of evaluation and training."""
-    evaluation = configuration["evaluation"]
-    sizes = ("iterations", "robots", "steps_per_iteration")
-    samples = sum(  # control steps of both trainings, or of one
-        math.prod(train.get(name, 0) for name in sizes)
-        for train in (configuration["train"]["walking"], configuration["finetuning"] or {})
-    )
-    last = evaluation["seed"] + evaluation["trials"] - 1
-    return {
-        "robot": configuration["robot"]["name"].upper(),
-        "commanded speeds": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
-        "trials": f"{evaluation['trials']} (seeds {evaluation['seed']} to {last}) of "
-        f"{evaluation['robots']} robots, {evaluation['duration']:g} s each",
-        "training": f"{samples / 1e6:.1f} million control steps",
-    }
 
 
 def videos(page: Page) -> Iterator[str | Table]:

@@ -7,14 +7,12 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from slider.core.files import flatten
 from slider.core.tables import Table
 
 _TEXT = (
     "This page was built from commit `{commit}` (a + stands for uncommitted changes). Times are "
-    "those of the jobs that computed the results, summed over jobs. “Computed now” counts the jobs "
-    "of the pipeline run that built this page; what is missing there was in the store already and "
-    "cost nothing, so its commit may be an older one: same recipe, same result. A recipe is the "
+    "those of the jobs that computed the results, summed over jobs. The commit of a result that "
+    "was in the store already may be an older one: same recipe, same result. A recipe is the "
     "digest of a job's configuration, source, package versions and inputs."
 )
 _AS_WRITTEN: dict[str, Any] = {"sort_keys": False, "allow_unicode": True}
@@ -45,21 +43,15 @@ machine, commit), and its object's folder."""
 def blocks(
     configuration: Mapping[str, Any], jobs: Sequence[Recorded], page: Mapping[str, Any]
 ) -> Iterator[str | Table]:
-    """Tables of stages, recipes, versions and seeds, and the resolved configuration.
+    """Tables of stages, recipes and versions, and the resolved configuration.
 
-    ``jobs`` are the results on the page; ``page`` has commit and start of the pipeline run that
-    builds it.
+    ``jobs`` are the results on the page; ``page`` has the commit of the run that builds it.
     """
     versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
-    table = _table(jobs, page.get("pipeline_started", ""))
+    table = _table(jobs)
     yield _TEXT.format(commit=_commit(page))
     yield _stages(table)
-    for machine, jobs_there in table.groupby("machine"):
-        yield f"{machine}: {', '.join(map(stage_title, jobs_there['stage'].unique()))}."
-    leaves = flatten(configuration).items()
-    seeds = [[name, str(value)] for name, value in leaves if name.endswith(".seed")]
-    yield Table(["seed", "value"], seeds)
-    columns = ["stage", "label", "recipe", "object", "source", "commit"]
+    columns = ["stage", "label", "recipe", "object", "source", "commit", "machine"]
     for title, text in (
         ("Versions of packages", yaml.safe_dump(versions)),
         ("Recipes, objects and commits of all jobs", table[columns].to_csv(index=False)),
@@ -68,8 +60,8 @@ def blocks(
         yield f"## {title}\n\n````\n{text}````"
 
 
-def _table(jobs: Sequence[Recorded], started: str) -> pd.DataFrame:
-    """A row per result, each once, by stage; computed now: by the run that builds the page."""
+def _table(jobs: Sequence[Recorded]) -> pd.DataFrame:
+    """A row per result, each once, by stage."""
     nothing = {"machine": _UNKNOWN, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
     rows = [
         {
@@ -80,7 +72,6 @@ def _table(jobs: Sequence[Recorded], started: str) -> pd.DataFrame:
             "object": folder.name[:16],
             "source": origin["source"][:12],
             "commit": _commit(metadata),
-            "now": bool(metadata.get("computed")) and metadata.get("pipeline_started") == started,
         }
         for origin, metadata, folder in jobs
     ]
@@ -101,15 +92,14 @@ def stage_title(stage: str) -> str:
 
 
 def _stages(table: pd.DataFrame) -> Table:
-    heads = ["stage", "jobs", "computed now", "wall time [s]", "CPU time [s]"]
     body = []
     for stage, jobs in table.groupby("stage", sort=False):
-        counts = len(jobs), jobs["now"].sum()
         times = (f"{jobs[name].sum():.1f}" for name in ("wall_s", "cpu_s"))
         ended = jobs["ended"].max()[:16].replace("T", "\u00a0") or _UNKNOWN
         commits = ", ".join(sorted(jobs["commit"].unique()))
-        body.append([stage_title(str(stage)), *map(str, counts), *times, ended, commits])
-    return Table([*heads, "finished (UTC)", "commit"], body)
+        body.append([stage_title(str(stage)), str(len(jobs)), *times, ended, commits])
+    heads = ["stage", "jobs", "wall time [s]", "CPU time [s]", "finished (UTC)", "commit"]
+    return Table(heads, body)
 
 
 def _commit(metadata: Mapping[str, Any]) -> str:

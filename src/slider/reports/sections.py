@@ -24,56 +24,40 @@ class PageSection(NamedTuple):
     title: str
     needs: tuple[str, ...] = ()
     documents: tuple[str, ...] = ()
-    about: str = ""
 
 
-def _reported(title: str, *names: str, about: str = "") -> PageSection:
-    """A section of the reports of some targets."""
-    targets = (name.removesuffix(OPTIONAL) for name in names)
-    return PageSection(title, names, tuple(f"{name}/{name}.md" for name in targets), about)
+def _reported(name: str) -> PageSection:
+    """A section of the report of a target."""
+    target = name.removesuffix(OPTIONAL)
+    return PageSection(target.replace("_", " ").capitalize(), (name,), (f"{target}/{target}.md",))
 
 
 _TRAININGS = ("standing?", "untuned?", "walking")
 SECTIONS = {
     "overview": PageSection("In short", ("table1", "videos?")),
     "table1": PageSection("Table 1", ("table1",), ("table1/table1.md", "table1/gait_quality.md")),
-    "tracking": _reported("Velocity tracking", "velocity_tracking?"),
+    "tracking": _reported("velocity_tracking?"),
     "videos": PageSection("Videos", ("videos",)),
     "gaits": PageSection(
         "Gait library",
         ("figures",),
         tuple(f"figures/{name}.md" for name in ("gait_tiles", "velocity_maps", "limit_cycles")),
     ),
-    "verification": _reported("Verification", "verification"),
+    "verification": _reported("verification"),
     "learning": PageSection("Learning curves", _TRAININGS),
-    "ablation": _reported("Ablation", "ablation"),
-    "gauge": _reported("Gauge", "gauge"),
+    "ablation": _reported("ablation"),
+    "gauge": _reported("gauge"),
     "statements": PageSection("The paper, statement by statement"),
     "provenance": PageSection(
         "Provenance",
         ("library.gaits", "library", *_TRAININGS, "table1.evaluations", "table1"),
     ),
 }
-_PROTOCOLS = {  # title, and text above the report
-    "robust": (
-        "Disturbed robots",
-        "Noise, delay, pushes, and robots and ground that differ from those of the training.",
-    ),
-    "sweep": ("Sweep of the commanded speed", ""),
-    "joystick": ("Changing commands", "Commands as from a joystick, changing on the way."),
-    "heldout": (
-        "Held-out commands",
-        "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
-    ),
-}
 
 
 def page_section(name: str) -> PageSection:
     """A section of the table, or that of a protocol."""
-    if name in SECTIONS:
-        return SECTIONS[name]
-    title, about = _PROTOCOLS.get(name, (name.replace("_", " ").capitalize(), ""))
-    return _reported(title, name, about=about)
+    return SECTIONS.get(name) or _reported(name)
 
 
 def check_sections(config: Config) -> None:

@@ -13,7 +13,6 @@ from slider.core.quantities import speed_text
 from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
 from slider.reports.figures.style import DARK, colour, legend_above, new_figure
-from slider.reports.quantities import PAPER
 from slider.training.results import Training
 
 _LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
@@ -29,26 +28,6 @@ _CHECKS = {  # column of the checks → axis
     "value": "score",
 }
 _SHOWN_TERMS = 7  # of the reward, the largest
-
-
-def draw_overview(frame: pd.DataFrame) -> Figure:
-    """Success and settled error over the commanded speed, of the rows of Table 1."""
-    figure = new_figure(3.3)
-    success, errors = figure.subplots(1, 2)
-    for index, (label, mine) in enumerate(frame.groupby("label", sort=False)):
-        mine = mine.sort_values("speed")
-        printed = mine["source"].iloc[0] == PAPER
-        look = _look(index) | {"marker": _MARKERS[index % len(_MARKERS)], "markersize": 4}
-        if printed:
-            look |= {"color": DARK, "linestyle": ":"}
-        success.plot(mine["speed"], 100 * mine["success_rate"], label=label, **look)
-        errors.plot(mine["speed"], _finite(mine["mse" if printed else "mse_steady"]), **look)
-    speed = "commanded speed [m/s]"
-    success.set(xlabel=speed, ylabel="success rate [%]", ylim=(-4, 104))
-    errors.set(xlabel=speed, ylabel="velocity MSE [m²/s²]", yscale="log")
-    legend_above(figure)
-    figure.set_layout_engine("constrained", w_pad=_MARGIN)
-    return figure
 
 
 def draw_tradeoff(frame: pd.DataFrame) -> Figure:

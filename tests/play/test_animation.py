@@ -111,7 +111,7 @@ def test_tiles_show_ground_push_and_measured_speed(tmp_path, monkeypatch, pictur
     assert [relief is not None for relief in pictures.reliefs] == [False, False, True]
     ways = [np.ptp([frame.qpos[1] for frame in frames]) for frames in pictures.frames]
     assert ways[1] > ways[0] + 0.1, "the push moves the robot sideways"
-    measured = float(pictures.facts[len(pictures.facts) // 3 - 1][1].split()[1])
+    measured = float(pictures.facts[len(pictures.facts) // 3 - 1].split()[4])
     assert measured == pytest.approx(walk.speed, rel=0.05)
     with Image.open(path) as image:
         assert image.size == (3 * 320, 240)

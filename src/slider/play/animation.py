@@ -119,12 +119,12 @@ def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
     return frames + [frames[-1]] * (round(seconds / scene.motion.period) + 1 - len(frames))
 
 
-def _facts(tile: Tile, frames: list[Frame]) -> list[list[str]]:
+def _facts(tile: Tile, frames: list[Frame]) -> list[str]:
     """Commanded speed, and the mean of the last second, at each of the frames."""
     speeds = np.cumsum([frame.velocity[0] for frame in frames])
     speeds[_FRAME_RATE:] -= speeds[:-_FRAME_RATE].copy()
     means = speeds / np.minimum(np.arange(len(frames)) + 1, _FRAME_RATE)
-    return [[f"command {tile.speed:.2f} m/s", f"measured {mean:z.2f} m/s"] for mean in means]
+    return [f"command {tile.speed:.2f} m/s   measured {mean:z.2f} m/s" for mean in means]
 
 
 def _write(pictures: Sequence[Image.Image], path: Path) -> None:

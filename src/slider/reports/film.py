@@ -27,7 +27,6 @@ _DISTANCE = 2.15  # of the camera from SLIDER [m]
 _BELOW = 0.25  # the base of SLIDER, what the camera looks at [m]
 _AROUND = 4.0  # ground that is drawn on all sides of the way [m]
 _CELL = 0.02  # of that ground [m]
-_GAP = 1.5  # between facts, in heights of a line
 _FOLLOW = 0.12  # time constant of the camera behind the base [s]
 _INK, _PAPER, _ALARM = (255, 255, 255), (20, 28, 38, 170), (190, 40, 40, 215)
 
@@ -86,20 +85,17 @@ def render(
         ) from None
 
 
-def annotate(picture: np.ndarray, title: str, facts: Sequence[str], alarm: bool) -> Image.Image:
-    """Write a title and a row of facts onto the lower left corner of a picture, on the floor."""
+def annotate(picture: np.ndarray, title: str, facts: str, alarm: bool) -> Image.Image:
+    """Write a title and a line of facts onto the lower left corner of a picture, on the floor."""
     image = Image.fromarray(picture)
     unit = max(8, image.height // 22)
-    font = ImageFont.load_default(unit)
+    font, text = ImageFont.load_default(unit), f"{title}\n{facts}"
     draw = ImageDraw.Draw(image, "RGBA")
-    top, widths = image.height - 4.3 * unit, [draw.textlength(fact, font) for fact in facts]
-    lefts = np.cumsum([unit, *(width + _GAP * unit for width in widths)]).tolist()
-    right = max(lefts[-1] - _GAP * unit, unit + draw.textlength(title, font)) + unit // 2
-    box = (unit // 2, top, right, image.height - unit // 2)
+    _, _, right, bottom = draw.textbbox((unit, 0), text, font, spacing=unit // 2)
+    top = image.height - bottom - 1.2 * unit
+    box = (unit // 2, top, right + unit // 2, image.height - unit // 2)
     draw.rounded_rectangle(box, unit // 2, fill=_ALARM if alarm else _PAPER)
-    draw.text((unit, top + 0.4 * unit), title, _INK, font)
-    for left, fact in zip(lefts, facts, strict=False):
-        draw.text((left, top + 2.0 * unit), fact, _INK, font)
+    draw.text((unit, top + 0.2 * unit), text, _INK, font, spacing=unit // 2)
     return image
 
 

@@ -45,11 +45,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     for frame, picture in zip(shown, pictures, strict=True):
         fallen |= frame.failed
         title = section["label"] + (", fallen" if fallen else "")
-        facts = [
-            f"command {section['speed']:.2f} m/s",
-            f"actual {frame.velocity[0]:z.2f} m/s",
-            f"t = {frame.time:.1f} s",
-        ]
+        facts = f"command {section['speed']:.2f} m/s   actual {frame.velocity[0]:z.2f} m/s"
+        facts += f"   t = {frame.time:.1f} s"
         images.append(film.annotate(picture, title, facts, fallen))
     film.write(images, video, out / FILM)
     poster = images[min(len(images) - 1, round(_POSTER_TIME * video.frame_rate))]

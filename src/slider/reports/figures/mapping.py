@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.integrate import cumulative_trapezoid
 
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import DARK, EMPTY, MIDDLE, new_figure
@@ -10,18 +9,16 @@ from slider.robot import knee_map
 from slider.robot.names import EXTENSION, LEG_GAIT_JOINTS
 
 _NO_MAP = "The gaits are in the leg's own coordinates, without a map."
-_START = 0.1  # knee flexion from which speed errors add up [rad]
-_STOP = 1.75
+_STOP = 1.75  # [rad]
 _LOOKS = ((DARK, "-"), (MIDDLE, "--"))
 _PANELS = (  # title, unit, curves
     ("angle", "rad", {"hip": "hip pitch", "ankle": "ankle"}),
-    ("slide position", "m", {"slide": "printed length", "added_up": "printed velocity, added up"}),
     ("slide velocity", "m/rad", {"slide_rate": ""}),
 )
 
 
 def draw(library: GaitLibrary) -> Figure:
-    """Errors of angles, slide position and slide velocity over the knee flexion."""
+    """Errors of angles and slide velocity over the knee flexion."""
     knee = library.robot.virtual_knee
     if knee is None:
         figure = new_figure(0.5)
@@ -30,9 +27,7 @@ def draw(library: GaitLibrary) -> Figure:
     figure = new_figure(2.6)
     theta = np.linspace(0.0, _STOP, 351)
     errors = map_errors(theta, knee.thigh_length, knee.shank_length)
-    panels = figure.subplots(1, 3)
-    total = cumulative_trapezoid(errors["slide_rate"], theta, initial=0.0)
-    errors["added_up"] = total - np.interp(_START, theta, total)
+    panels = figure.subplots(1, 2)
     for axes, (title, unit, curves) in zip(panels, _PANELS, strict=True):
         for (name, label), (colour, dash) in zip(curves.items(), _LOOKS, strict=False):
             axes.plot(theta, errors[name], dash, color=colour, label=label)
@@ -41,8 +36,6 @@ def draw(library: GaitLibrary) -> Figure:
         axes.set(xlabel="knee flexion θ [rad]", xlim=(0.0, _STOP))
     panels[0].patches[0].set_label("θ in the library")
     panels[0].legend()
-    panels[1].margins(y=0.3)
-    panels[1].legend(loc="upper center", fontsize=7)
     return figure
 
 
@@ -66,8 +59,7 @@ def caption(library: GaitLibrary) -> str:
         f"There the printed angles are off by up to {worst['hip']:.3f} rad (hip) and "
         f"{worst['ankle']:.3f} rad (ankle), and the printed slide velocity by up to "
         f"{worst['slide_rate']:.3f} m/rad (slide speed per knee speed). "
-        "The printed length itself is exact; dashed is the position that one gets by adding up "
-        f"the printed velocities from θ = {_START:g} rad on."
+        "The printed length itself is exact."
     )
 
 

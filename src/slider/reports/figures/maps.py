@@ -1,12 +1,9 @@
 """Quantities of the gaits over the commanded velocities."""
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from slider.library import measures
 from slider.library.reader import GaitLibrary
@@ -22,30 +19,17 @@ of its torque-speed line.
 
 def draw_map(axes: Axes, library: GaitLibrary, title: str, values: np.ndarray, unit: str) -> None:
     """One coloured cell per gait (G,), a cross at each hole, a colour bar with the unit."""
-    places = np.array([*library.velocities[:, :2], *((h.vx, h.vy) for h in library.holes)])
-    rectangles, limits = [], []
-    for axis, value, place in zip(
-        (library.mesh.vx, library.mesh.vy), library.velocities[:, :2].T, places.T, strict=True
-    ):
-        low, high = _borders(axis)
-        index, margin = np.searchsorted(axis, value), float((high - low).max()) / 2
-        rectangles.append((low[index], (high - low)[index]))
-        limits.append((place.min() - margin, place.max() + margin))
-    (left, width), (bottom, height) = rectangles
-    cells = PatchCollection(
-        [Rectangle((x, y), *size) for x, y, *size in zip(left, bottom, width, height, strict=True)],
-        cmap=colormaps[COLOURS],
-        norm=_norm(values),
-    )
-    cells.set_array(values)
-    cells.set(edgecolor="white", linewidth=0.4)
-    axes.add_collection(cells)
+    vx, vy = library.mesh.vx, library.mesh.vy
+    x, y, _ = library.velocities.T
+    cells = np.ma.masked_all((len(vy), len(vx)))
+    cells[np.searchsorted(vy, y), np.searchsorted(vx, x)] = values
+    look = {"cmap": COLOURS, "norm": _norm(values), "edgecolor": "white", "linewidth": 0.4}
+    mesh = axes.pcolormesh(_edges(vx), _edges(vy), cells, **look)
     axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
-    axes.set(xlim=limits[0], ylim=limits[1])
     axes.grid(visible=False)
     for hole in library.holes:
         axes.plot(hole.vx, hole.vy, "x", color=MIDDLE, markersize=4, markeredgewidth=1.2)
-    bar = axes.figure.colorbar(cells, ax=axes, pad=0.01, aspect=8)
+    bar = axes.figure.colorbar(mesh, ax=axes, pad=0.01, aspect=8)
     bar.set_label(unit)
     bar.outline.set_visible(False)  # type: ignore[reportCallIssue]
     axes.set_title(title, loc="left")
@@ -71,11 +55,10 @@ def draw_velocity_maps(library: GaitLibrary) -> Figure:
     return figure
 
 
-def _borders(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Half way to the neighbours, below and above each value."""
-    half = np.diff(axis) / 2 if len(axis) > 1 else np.array([0.025])
-    below, above = np.concatenate([half[:1], half]), np.concatenate([half, half[-1:]])
-    return axis - below[: len(axis)], axis + above[: len(axis)]
+def _edges(axis: np.ndarray) -> np.ndarray:
+    """Of cells about sorted values (N,): half way between neighbours (N + 1,)."""
+    half = np.diff(axis, append=axis[-1:] + (np.ptp(axis[-2:]) or 0.05)) / 2
+    return np.concatenate([axis[:1] - half[:1], axis + half])
 
 
 def _norm(values: np.ndarray) -> Normalize:

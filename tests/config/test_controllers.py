@@ -60,8 +60,8 @@ def test_a_file_is_enough_for_table_1_and_changes_no_other_recipe(conf):
         ("policy", "higher", "control.policy: expected another name than policy, zero, random, "),
         ("all", "higher", "all.yaml: expected small letters, digits and _ after a letter, and not"),
         ("high.er", "higher", "high.er.yaml: expected small letters, digits and _ after a letter"),
-        ("higher", "MPC + WBC, tuned", "another label than that of higher "),
-        ("higher", '"two\\nlines"', r"higher.label: expected one line of text, found 'two\nlines'"),
+        ("higher", "MPC + WBC, tuned", "one line that is not the label of higher "),
+        ("higher", '"two\\nlines"', "higher.label: expected one line that is"),
         ("Mine", "higher", "control: expected names of small letters"),
     ],
 )

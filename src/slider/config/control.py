@@ -251,15 +251,12 @@ def _told_apart(controls: dict[str, AnyControl]) -> dict[str, AnyControl]:
     """Controllers with names and labels of their own."""
     labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
-        label, expected = control.label, f"another name than {', '.join(RESERVED)}"
-        t.require(name not in RESERVED, name, expected, name)
-        expected = f"a name that does not end with {ONBOARD}"
-        t.require(not name.endswith(ONBOARD), name, expected, name)
-        one_line = label and label.isprintable() and label == label.strip()
-        t.require(one_line, f"{name}.label", "one line of text", repr(label))
-        owner = labels.setdefault(label, name)
-        expected = f"another label than that of {owner} (a file without one inherits it)"
-        t.require(owner == name, f"{name}.label", expected, label)
+        expected = f"another name than {', '.join(RESERVED)} and those that end with {ONBOARD}"
+        t.require(name not in RESERVED and not name.endswith(ONBOARD), name, expected, name)
+        label, owner = control.label, labels.setdefault(control.label, name)
+        possible = label and label.isprintable() and owner == name
+        expected = f"one line that is not the label of {owner} (a file without one inherits it)"
+        t.require(possible, f"{name}.label", expected, repr(label))
     return controls
 
 

@@ -380,24 +380,22 @@ class Mechanism(t.Group):
 
     def __post_init__(self) -> None:
         geometry, virtual = self.geometry, self.virtual_knee
-        for name in ("capstan", "virtual_knee"):
-            possible = geometry.knee is None or getattr(self, name) is None
-            t.require(possible, name, "null where the leg has a knee", "one")
+        t.require(geometry.knee is None or self.capstan is None, "capstan", "null with a knee")
         for name in ("upper_foot", "talus"):
             wanted = name in geometry.links.values()
             expected = f"{'a link' if wanted else 'none'} with geometry.sole {geometry.sole}"
             found = getattr(self.links, name)
             t.require(wanted == (found is not None), f"links.{name}", expected, found)
-        expected = "null where the foot has a sole"
-        t.require(virtual is None or geometry.sole is None, "virtual_knee", expected, "one")
         t.complete("joints", self.joints, geometry.leg_joints)
         t.complete("drives", self.drives, dict.fromkeys(self.leg_motors))
         if virtual is not None:
-            expected = "null where hip_pitch is not the last of geometry.axes.order"
-            t.require(geometry.axes.order[-1] == "hip_pitch", "virtual_knee", expected, "one")
-            tilted = {geometry.axes.pitch_direction, geometry.ankle_direction} != {(0.0, 1.0, 0.0)}
-            expected = "null where the axis of hip_pitch or ankle is tilted"
-            t.require(not tilted, "virtual_knee", expected, "one")
+            directions = {geometry.axes.pitch_direction, geometry.ankle_direction}
+            slides = geometry.knee is None and geometry.sole is None
+            level = geometry.axes.order[-1] == "hip_pitch" and directions == {(0.0, 1.0, 0.0)}
+            expected = (
+                "null with a knee, a sole, a tilted axis, or a pitch that is not the hip's last"
+            )
+            t.require(slides and level, "virtual_knee", expected, "one")
             reach = virtual.thigh_length + virtual.shank_length
             expected = f"thigh + shank longer than the leg ({geometry.leg_length} m)"
             t.require(reach > geometry.leg_length, "virtual_knee", expected, reach)
@@ -441,10 +439,8 @@ class RobotConfig(Mechanism):
     def __post_init__(self) -> None:
         super().__post_init__()
         t.complete("gains", self.gains, dict.fromkeys(self.leg_motors))
-        values = flatten(asdict(self)).items()  # what is null may have its tag, and its parts
-        paths = [f"{path}." for path, value in values if isinstance(value, float | tuple | None)]
-        null = tuple(f"{path}." for path, value in values if value is None)
+        paths = [f"{path}." for path in flatten(asdict(self))]  # what is null may have parts
         for group in self.provenance:
             part = f"{group}."
-            possible = part.startswith(null) or any(path.startswith(part) for path in paths)
-            t.require(possible, "provenance", "keys below robot that hold numbers", group)
+            known = any(path.startswith(part) or part.startswith(path) for path in paths)
+            t.require(known, "provenance", "keys below robot", group)

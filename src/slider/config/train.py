@@ -67,12 +67,7 @@ class ResetConfig(t.Group):
 
 
 class NetworkConfig(t.Group):
-    """Actor and critic: multilayer perceptrons of the same shape.
-
-    The standard deviation of the action noise is learned between ``std_min`` and a bound:
-    ``std_max`` until the share ``anneal_from`` of the iterations, then falling geometrically to
-    ``std_final``.
-    """
+    """Actor and critic: multilayer perceptrons of the same shape; the action noise is learned."""
 
     hidden: t.Some[Annotated[t.Count, Field(le=65536)]]
     """widths of the hidden layers, actor and critic alike"""

@@ -158,12 +158,12 @@ class HipAxes(t.Group):
 
         ``lateral`` is 1 for the left leg, −1 for the right one.
         """
-        axes = {n: getattr(self, f"{n.removeprefix('hip_')}_direction") for n in self.order}
-        return [
-            (name, getattr(self, name) * np.array([1.0, lateral, 1.0]) + 0.0, axis)
-            for name in self.order
-            for axis in (axis_of(name, axes[name], lateral),)
-        ]
+        chain, reflection = [], np.array([1.0, lateral, 1.0])
+        for name in self.order:
+            left = getattr(self, f"{name.removeprefix('hip_')}_direction")
+            place = getattr(self, name) * reflection + 0.0
+            chain.append((name, place, axis_of(name, left, lateral)))
+        return chain
 
     @property
     def below_pitch(self) -> np.ndarray:
@@ -280,11 +280,9 @@ class Geometry(t.Group):
         hip = [LegJoint(*joint, slides=False) for joint in self.axes.chain(lateral)]
         below = reflection * (knee - self.axes.below_pitch) + 0.0
         ankle = reflection * (-self.leg_length * up - knee) + 0.0
-        bends, turns = (
-            axis_of(name, axis, lateral)
-            for name, axis in (("slide", self.knee_direction), ("ankle", self.ankle_direction))
-        )
-        extension = LegJoint("slide", below, 0.0 - up if slides else bends, slides)
+        along = 0.0 - up if slides else axis_of("slide", self.knee_direction, lateral)
+        turns = axis_of("ankle", self.ankle_direction, lateral)
+        extension = LegJoint("slide", below, along, slides)
         return [*hip, extension, LegJoint("ankle", ankle, turns, slides=False)]
 
     @property

@@ -23,7 +23,7 @@ from slider.env import randomization, terrain
 from slider.env.starts import NUMPY, SLIDES, rotate
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
-from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
+from slider.robot.mjcf import Actuation, SimulationOptions, build_spec
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 
@@ -92,7 +92,7 @@ def build_plant(
     spec = build_spec(robot, options)
     if disturbance is not None and has_terrain(disturbance.config):
         terrain.add_ground(spec)
-    return compile_spec(spec, robot)
+    return spec.compile()
 
 
 def has_terrain(config: DisturbanceConfig) -> bool:

@@ -65,16 +65,7 @@ class SimulationOptions:
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
     """Compile the model of a robot on flat ground."""
-    return compile_spec(build_spec(robot, options), robot)
-
-
-def compile_spec(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjModel:
-    """Compile a described robot and check the order of its joints."""
-    model, expected = spec.compile(), names.joint_names(robot.geometry)
-    order = tuple(model.joint(i).name for i in range(1, model.njnt))
-    if order != expected:
-        raise RuntimeError(f"expected the joints {expected}, found {order}")
-    return model
+    return build_spec(robot, options).compile()
 
 
 def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:

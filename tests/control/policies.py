@@ -49,6 +49,6 @@ def exported() -> Path:
     """Folder of such a policy and its exported files, once per test session: do not change it."""
     folder = shared.new_folder()
     write_policy(folder / POLICY_FILE)
-    estimator = config("experiment=test").env.onboard.estimator
+    estimator = config("experiment=test").env.estimator
     write_files(folder / POLICY_FILE, {"recipe": "abc"}, folder, estimator)
     return folder

@@ -254,6 +254,12 @@ class EnvConfig(PlantConfig, kw_only=True):
         return self.onboard if self.sensing == "onboard" else None
 
     @property
+    def estimator(self) -> EstimatorConfig:
+        """The estimator on board, also of robots whose controllers receive the true state."""
+        assert self.onboard is not None, "validated"
+        return self.onboard.estimator
+
+    @property
     def plant(self) -> PlantConfig:
         """The part for controllers other than the policy."""
         return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)

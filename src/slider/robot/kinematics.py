@@ -184,31 +184,24 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
     for index, (name, place, axis) in enumerate(geometry.axes.chain(lateral)):
         if place.any():
             below = below + tube @ asarray(place, joints)
-        hip[name], tube = (below, _turned(tube, axis)), tube @ _about(axis, q[:, index])
+        hip[name], tube = (below, tube @ asarray(axis, tube)), tube @ _about(axis, q[:, index])
     x, y, z = geometry.knee or (0.0, 0.0, 0.0)
     from_last = ([x, y, z] - geometry.axes.below_pitch) * [1.0, lateral, 1.0]
     knee = below + tube @ asarray(from_last, joints) if from_last.any() else below
     bends = axis_of("slide", geometry.knee_direction, lateral)
     turns = axis_of("ankle", geometry.ankle_direction, lateral)
-    unit = _turned(tube, bends)
+    unit = tube @ asarray(bends, tube)
     if geometry.knee is None:
         ankle = knee - tube[:, :, 2] * (geometry.leg_length + q[:, EXTENSION])[:, None]
     else:
         tube = tube @ _about(bends, q[:, EXTENSION])
         ankle = knee + tube @ asarray([-x, -lateral * y, -geometry.leg_length - z], joints)
-    axes, foot = (unit, _turned(tube, turns)), tube @ _about(turns, q[:, ANKLE])
+    axes, foot = (unit, tube @ asarray(turns, tube)), tube @ _about(turns, q[:, ANKLE])
     above_ground = ankle
     if geometry.sole is not None:
         above_ground = ankle + foot @ asarray(geometry.ankle_roll, ankle)
         foot = foot @ about_x(q[:, LAST])
     return _Leg(hip, knee, ankle, above_ground, axes, tube, foot)
-
-
-def _turned(rotation: Array, axis: np.ndarray) -> Array:
-    """A unit vector (3,) after rotations: (N, 3)."""
-    along = np.flatnonzero(axis)
-    one = len(along) == 1 and axis[along[0]] > 0.0
-    return rotation[:, :, along[0]] if one else rotation @ asarray(axis, rotation)
 
 
 def leg_extension_jacobian(geometry: Geometry, joints: Array, leg: int) -> Array:

@@ -3,7 +3,6 @@
 import json
 
 import numpy as np
-import pandas as pd
 
 from slider.core.job import Job
 from slider.reports import page
@@ -11,7 +10,6 @@ from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_training
 from slider.reports.html import html
 from slider.reports.sections import SECTIONS
-from slider.reports.table1 import paper_rows
 from slider.reports.video import ABOUT, FILM, POSTER
 from slider.training.results import Training
 
@@ -65,18 +63,6 @@ def test_columns_of_numbers_are_marked_and_words_are_not():
     assert '<table class="numbers">' in shown
     assert 'class="number"' not in html("| a |\n|---|\n| 10 trials |\n", {})
     assert '<th class="number">b</th>' in shown
-
-
-def row(speed: float, success: float, error: float) -> dict:
-    about = {"controller": "policy", "label": "policy (ours)", "source": "measured"}
-    return about | {"speed": speed, "success_rate": success, "mse_steady": error}
-
-
-def test_the_finding_has_the_worst_numbers_and_the_papers():
-    ours = pd.DataFrame([row(0.2, 1.0, 0.001), row(3.0, 0.998, 0.0123)])
-    sentence = page.finding(pd.concat([ours, paper_rows()], ignore_index=True))
-    for part in ("**99.8 %**", "**0.0123 m²/s²**", "up to 3.0 m/s (guided RL (paper): 73.1 %"):
-        assert part in sentence
 
 
 def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):

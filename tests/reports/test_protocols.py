@@ -195,9 +195,6 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     found = ours[["time", "mean_velocity", "mean_velocity_spread"]].to_numpy().tolist()
     assert found == [[0.02, 0.1, 0.01], [0.04, 0.3, 0.02], [0.06, 0.4, 0.0]]
     assert others["mean_velocity"].isna().all()  # nobody survived
-    text = (out / f"{name}.md").read_text()
-    assert "Not drawn: 3.0 m/s, not evaluated in this run." in text
-    assert "Not drawn: no survivors with MPC + WBC at 0.4 m/s." in text
 
 
 def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):

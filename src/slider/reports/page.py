@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
@@ -13,6 +13,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
+from slider.config.control import POLICY
 from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import speed_text
@@ -20,7 +21,6 @@ from slider.core.tables import Table
 from slider.reports import html, provenance
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import PAPER, QUANTITIES
 from slider.reports.sections import page_section
 from slider.reports.table1 import TRADEOFF
 from slider.reports.video import ABOUT, FILM
@@ -97,33 +97,12 @@ def _document(inputs: Inputs, place: str) -> tuple[str, dict[str, Path]]:
 
 
 def overview(page: Page) -> Iterator[str]:
-    """One sentence; the robot walking beside error over cost of transport."""
-    (folder,) = page.inputs["table1"]
-    frame = tables.read(folder / "table1.csv")
-    yield finding(frame)
+    """The robot walking beside error over cost of transport."""
     films = [about for about in page.films() if about["fell_at"] is None]
-    films.sort(key=lambda about: (about["controller"] != frame["controller"][0], -about["speed"]))
+    films.sort(key=lambda about: (about["controller"] != POLICY, -about["speed"]))
     first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]
-    page.files[TRADEOFF] = folder / f"{TRADEOFF}.svg"
+    page.files[TRADEOFF] = page.inputs["table1"][0] / f"{TRADEOFF}.svg"
     yield "\n".join([*first, f"![Velocity error over cost of transport]({TRADEOFF})"])
-
-
-def finding(frame: pd.DataFrame) -> str:
-    """Success and error of the first controller beside the paper's, in one sentence."""
-    mine = frame[frame["controller"] == frame["controller"][0]]
-    top = mine["speed"].max()
-    paper = frame[(frame["source"] == PAPER) & (frame["speed"] == top)]
-    success, mse = QUANTITIES["success_rate"], QUANTITIES["mse_steady"]
-    printed = ""
-    if len(paper):
-        rate = success.text(paper["success_rate"].iloc[0])
-        printed = f" ({paper['label'].iloc[0]}: {rate} % at {speed_text(top)} m/s)"
-    return (
-        f"Of the robots with {mine['label'].iloc[0]} at least "
-        f"**{success.text(mine['success_rate'].min())} %** survive at every "
-        f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
-        f"warm-up is at most **{mse.text(mine['mse_steady'].max())} m²/s²**."
-    )
 
 
 def videos(page: Page) -> Iterator[str | Table]:
@@ -150,12 +129,10 @@ def learning(page: Page) -> Iterator[str | Table]:
 
 
 def paper_statements(page: Page) -> Iterator[str | Table]:
-    """A table per part of the paper, a row per statement, with its value in this run."""
+    """A table per part of the paper, a row per statement."""
     yield "What the paper says, whether it is here as printed, and where that is configured."
-    heads = ["the paper says", "status", "here", "where", "in this run"]
-    frame, configuration = read_statements(), page.section["configuration"]
-    frame["now"] = [current_value(configuration, where) for where in frame["where"]]
-    for part, statements in frame.groupby("part", sort=False):
+    heads = ["the paper says", "status", "here", "where"]
+    for part, statements in read_statements().groupby("part", sort=False):
         yield Table(heads, statements.drop(columns="part").to_numpy(), str(part))
 
 
@@ -163,16 +140,6 @@ def read_statements() -> pd.DataFrame:
     """Each statement: part of the paper, what it says, status, what is here, and where."""
     with (files("slider.reports") / STATEMENTS).open(encoding="utf-8") as file:
         return pd.read_csv(file, keep_default_na=False, dtype=str)
-
-
-def current_value(configuration: Mapping[str, Any], where: str) -> str:
-    """Value of the first place, if that is a dotted path to a single value."""
-    node: Any = configuration
-    for name in where.split(", ")[0].split("."):
-        if not isinstance(node, Mapping) or name not in node:
-            return ""
-        node = node[name]
-    return "" if isinstance(node, (Mapping, list)) else str(node)
 
 
 def origins(page: Page) -> Iterator[str | Table]:

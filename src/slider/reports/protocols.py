@@ -86,12 +86,11 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     Raises:
         UserError: none of the speeds is evaluated.
     """
-    speeds, period = section["speeds"], section["control_period"]
     evaluations = report.load(inputs["evaluations"], section["labels"])
     expected = "at least one of evaluation.speeds"
-    require(bool(evaluations), "report.tracking_speeds", expected, speeds)
-    frame = pd.concat([_velocities(one, period) for one in evaluations])
-    parts = [picture(TRACKING), TRACKING_CAPTION, *undrawn(evaluations, speeds)]
+    require(bool(evaluations), "report.tracking_speeds", expected, section["speeds"])
+    frame = pd.concat([_velocities(one, section["control_period"]) for one in evaluations])
+    parts = [picture(TRACKING), TRACKING_CAPTION]
     draw = partial(walking.draw_tracking, frame)
     title = f"Forward velocity over time: {TRACKING}"
     report.write(out / TRACKING, title, section["robot"], frame, draw, parts)
@@ -104,21 +103,6 @@ def _velocities(one: Evaluation, period: float) -> pd.DataFrame:
     columns = {"controller": one.controller, "label": one.label, "speed": one.speed}
     columns |= {"time": period * np.arange(1, len(mean) + 1)}
     return pd.DataFrame(columns | {"mean_velocity": mean, "mean_velocity_spread": spread})
-
-
-def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[str]:
-    """Curves that are not drawn, and why."""
-    evaluated = {one.speed for one in evaluations}
-    missing = ", ".join(speed_text(value) for value in speeds if value not in evaluated)
-    if missing:
-        yield f"Not drawn: {missing} m/s, not evaluated in this run."
-    fallen = [
-        f"{one.label} at {speed_text(one.speed)} m/s"
-        for one in evaluations
-        if one.speed is not None and not one.robots["survived"].any()
-    ]
-    if fallen:
-        yield f"Not drawn: no survivors with {'; '.join(fallen)}."
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:

@@ -41,7 +41,7 @@ SECTIONS = {
     "gaits": PageSection(
         "Gait library",
         ("figures",),
-        tuple(f"figures/{name}.md" for name in ("gait_tiles", "velocity_maps", "limit_cycles")),
+        tuple(f"figures/{name}.md" for name in ("velocity_maps", "limit_cycles")),
     ),
     "verification": _reported("verification"),
     "learning": PageSection("Learning curves", _TRAININGS),

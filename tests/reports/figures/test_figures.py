@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from slider.core.job import Job
 from slider.library.reader import GaitLibrary
 from slider.reports.figures import FILES, NAMES
-from slider.reports.figures.gaits import draw_cycles, forward_gaits
+from slider.reports.figures.cycles import draw as draw_cycles
+from slider.reports.figures.cycles import forward_gaits
 from slider.reports.figures.mapping import map_errors
 from slider.reports.figures.maps import draw_map
 from slider.reports.figures.stage import DRAWINGS, run

@@ -9,12 +9,17 @@ from slider.library import measures
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, MIDDLE, new_figure
 
-MAPS_CAPTION = """\
+_CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
 the grid. Gaits that turn are left out. The cost is that of the optimisation (`gait.cost`). Torque
 and voltage are the greatest of all motors over the walk, as shares of the motor's torque limit and
 of its torque-speed line.
 """
+
+
+def caption(library: GaitLibrary) -> str:
+    """What a cell is."""
+    return _CAPTION
 
 
 def draw_map(axes: Axes, library: GaitLibrary, title: str, values: np.ndarray, unit: str) -> None:
@@ -35,7 +40,7 @@ def draw_map(axes: Axes, library: GaitLibrary, title: str, values: np.ndarray, u
     axes.set_title(title, loc="left")
 
 
-def draw_velocity_maps(library: GaitLibrary) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Cost, times, base height and use of the drives, one below the other."""
     torque, voltage = (100 * shares.max(axis=1) for shares in measures.motor_shares(library))
     slides = library.robot.geometry.knee is None

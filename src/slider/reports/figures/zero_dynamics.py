@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from slider.library.blend import Gait, blend
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.gaits import forward_gaits
+from slider.reports.figures.cycles import forward_gaits
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure
 from slider.robot.kinematics import about_x, foot_ends, leg_points
 from slider.robot.names import joint_names, knee_joint_names

@@ -1,4 +1,4 @@
-"""An animation repeats at a pose like its first one."""
+"""Animations of walks and falls, on their ground."""
 
 import os
 import subprocess
@@ -10,24 +10,9 @@ from PIL import Image
 
 from pipeline.stages.page import find_renderer
 from slider import cli
-from slider.env.rollout import Frame
 from slider.play import animation
 from slider.reports import film
 from tests.config.composed import CONF
-
-
-def frame(time: float, phase: float, failed: bool = False) -> Frame:
-    """A pose that goes round with its phase, further along the ground."""
-    qpos = np.zeros(19)
-    qpos[0], qpos[2], qpos[3] = time, 0.7, 1.0
-    qpos[7:9] = np.cos(phase), np.sin(phase)
-    return Frame(time, qpos, np.zeros(2), failed)
-
-
-def test_repeats_after_whole_walks():
-    period = 21  # pictures of a walk
-    frames = [frame(k / 25, 2 * np.pi * k / period) for k in range(80)]
-    assert animation.repeats_at(frames) == 3 * period
 
 
 @pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")

@@ -62,17 +62,6 @@ def test_motors_do_the_work_of_the_joints():
     np.testing.assert_allclose(MOTORS.efforts(MOTORS.torques(efforts)), efforts, atol=1e-12)
 
 
-def test_the_torque_speed_line_by_hand():
-    speeds = np.array([-120.0, -90.0, -60.0, 0.0, 60.0, 90.0, 108.0, 120.0, 150.0, 240.0])
-    most = [8.0, 8.0, 8.0, 8.0, 8.0, 4.0, 1.6, 0.0, -4.0, -8.0]  # 16 (1 − ω / 120) within ±8
-    least = [0.0, -4.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0]
-    for speed, lower, upper in zip(speeds, least, most, strict=True):
-        found = MOTORS.torque_limits(motors(speed, -speed))
-        assert found[0][ONE] == pytest.approx(lower, abs=1e-12)
-        assert found[1][ONE] == pytest.approx(upper, abs=1e-12)
-        assert found[1][TWO] == pytest.approx(-lower, abs=1e-12)  # turns the other way
-
-
 @pytest.mark.parametrize("actuation", ["position", "torque"])
 def test_the_simulated_motors_have_these_limits_at_every_speed(actuation: Actuation):
     """What the plant makes of inputs that are far too large; both coupled motors at once."""

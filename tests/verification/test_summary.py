@@ -36,9 +36,7 @@ def test_worst_values_name_their_gaits(tmp_path):
     table, failures = summary.judge(ROWS[:2], bounds)
     summary.write_markdown(tmp_path / "a.md", table, bounds, failures)
     lines = (tmp_path / "a.md").read_text().splitlines()
-    assert lines[0] == "2 gaits, 1 bounds. **1 values are beyond their bounds:**"
-    assert lines[2] == f"* {failures[0]}"
+    assert lines[0] == "2 gaits, 1 bounds. **1 values are beyond their bounds.**"
     ends = ("0.001 | 0.3, 0 | 0.0005 | ≤ 1e-06 **(not held)** |", "0.02 | 0.3, 0 | 0.065 | – |")
     assert all(any(line.endswith(end) for line in lines) for end in ends)
     assert not any("roll_end" in line for line in lines)
-    assert lines[-1] == "| `dense_cop` | 0.4 | 0.5 |"

@@ -1,4 +1,4 @@
-"""A motion as an animation that repeats without a jump or ends in a fall, or several beside."""
+"""A motion as an animation, or several beside."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,7 +14,6 @@ from slider.play.scenes import Scene
 from slider.reports import film
 
 _WARM_UP = 4.0  # from rest to a periodic walk [s]
-_WALK = 1.0  # longer than a walk of two steps: the loop ends in the last of these [s]
 _SECONDS = 3.8
 _FRAME_RATE = 25  # [1/s]
 _SIZE = (480, 320)  # [pixel]
@@ -52,19 +51,16 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     Of a fall it shows everything from the start.
 
     Raises:
-        UserError: the motion is shorter than a walk, nothing can be rendered on this machine, or
-            the name is not that of a WebP.
+        UserError: nothing can be rendered on this machine, or the name is not that of a WebP.
     """
     require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
     length = _SECONDS if seconds is None else seconds
-    require(length >= _WALK, "--film", f"--seconds of at least {_WALK:g}", f"{length:g}")
     frames = loop.record(scene.motion, control, _WARM_UP + length)
     fell, every = frames[-1].failed, round(1.0 / (_FRAME_RATE * scene.motion.period))
     shown = frames[::-every][::-1] if fell else frames[::every]
     first = 0 if fell else round(_WARM_UP * _FRAME_RATE)
-    end = len(shown) if fell else first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
-    rendered = _render(scene, shown[first // 2 : end], _SIZE, "side")
+    rendered = _render(scene, shown[first // 2 :], _SIZE, "side")
     _write([Image.fromarray(picture) for picture in rendered[first - first // 2 :]], path)
     print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
     return int(fell)
@@ -131,10 +127,3 @@ def _write(pictures: Sequence[Image.Image], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     options: dict[str, Any] = {"duration": 1000 // _FRAME_RATE, "quality": _QUALITY, "method": 4}
     pictures[0].save(path, save_all=True, append_images=pictures[1:], loop=0, **options)
-
-
-def repeats_at(frames: list[Frame]) -> int:
-    """Index of the frame whose pose is nearest to the first one's, among those of the last walk."""
-    poses = np.array([frame.qpos[2:] for frame in frames])
-    first = max(1, len(frames) - round(_WALK * _FRAME_RATE))
-    return first + int(np.argmin(np.linalg.norm(poses[first:] - poses[0], axis=1)))

@@ -57,14 +57,6 @@ def test_films_are_within_the_page_and_say_how_the_robot_did(tmp_path):
     assert '<div class="pictures"><figure>' in shown
 
 
-def test_columns_of_numbers_are_marked_and_words_are_not():
-    shown = html("| a | b | c |\n|---|---|---|\n| x1 | 1 [0, 2] | – |\n| y | ∞ | – |\n", {})
-    assert shown.count('class="number"') == 6
-    assert '<table class="numbers">' in shown
-    assert 'class="number"' not in html("| a |\n|---|\n| 10 trials |\n", {})
-    assert '<th class="number">b</th>' in shown
-
-
 def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):
     file = tmp_path / "selection.csv"
     file.write_text("iteration,value,success,speed_error\n5,10,0,\n10,5.3,0.5,0.1\n")

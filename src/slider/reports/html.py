@@ -1,9 +1,7 @@
 """Markdown as HTML that needs no other file: pictures and films are in it."""
 
 import base64
-import re
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -13,9 +11,7 @@ from markupsafe import escape
 
 from slider.reports.video import FILM, POSTER
 
-_CELLS = ("th_open", "td_open")
-# Such as ``**0.1 ± 0.2**``, and what stands for none; a number with a word is none.
-_NUMBER = re.compile(r"\W*([\d∞](?!.*[^\W\d]{3}).*)?")
+_LONGEST = 40  # characters of a number with its spread and interval, which stay in one line
 
 
 def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
@@ -36,7 +32,7 @@ def html(markdown: str, files: Mapping[str, Path]) -> str:
     parser.add_render_rule("image", _image)
     parser.add_render_rule("table_open", _table)
     parser.add_render_rule("table_close", lambda *_: "</table></div>\n")
-    tokens, opened = parser.parse(markdown), 0
+    tokens = parser.parse(markdown)
     for index, token in enumerate(tokens):
         if token.type.startswith("heading"):
             token.tag = f"h{max(3, int(token.tag[1]) + 1)}"
@@ -45,26 +41,11 @@ def html(markdown: str, files: Mapping[str, Path]) -> str:
             if "image" in kinds <= {"image", "softbreak"}:
                 token.tag = tokens[index + 2].tag = "div"
                 token.attrSet("class", "pictures")
-        elif token.type == "table_open":
-            opened = index
-        elif token.type == "table_close":
-            _align(tokens[opened:index])
-    return parser.renderer.render(tokens, parser.options, {"files": files})
-
-
-def _align(tokens: Sequence[Token]) -> None:
-    """Mark the cells of columns that have numbers alone, and a table that is mostly of these."""
-    cells = [(token, text.content) for token, text in pairwise(tokens) if token.type in _CELLS]
-    width = sum(token.type == "th_open" for token, _ in cells)
-    marked = 0
-    for column in range(width):
-        mine = cells[column::width]
-        if all(_NUMBER.fullmatch(text) for _, text in mine[1:]):
-            marked += 1
-            for token, _ in mine:
+        elif token.type == "td_open":
+            text = tokens[index + 1].content
+            if text.lstrip("*")[:1].isdigit() and len(text) < _LONGEST:
                 token.attrSet("class", "number")
-    if 2 * marked >= width:
-        tokens[0].attrSet("class", "numbers")
+    return parser.renderer.render(tokens, parser.options, {"files": files})
 
 
 def _table(self, tokens: Sequence[Token], index: int, options, env) -> str:

@@ -20,6 +20,14 @@ from slider.robot.names import joint_names, knee_joint_names
 _PHASE = np.linspace(0.0, 1.0, 101)
 _ROLLS = 41
 _TOUCHDOWNS = np.linspace(0.5, 1.05, 221)  # phases at which the swing foot may land
+_CAPTION = """\
+The gait at ({vx:g}, {vy:g}) m/s. Axes are the roll of the stance foot, which no motor drives, and
+position and velocity of a joint of the swing leg; eq. 1 maps the virtual knee to the slide. Z: all
+joints are on their virtual constraints, whatever the roll; its rate is not drawn. S: the swing foot
+touches the ground; contact depends on positions alone, so S is upright. The orbit crosses S ∩ Z,
+and the impact Δ takes it to the start of the next step, where the legs have changed names. Z ends
+at the touchdown; where that is later than the gait's, the joints' polynomials go on.
+"""
 _MARGIN = 0.35  # of the drawn roll beyond the gait's, as a share of its range
 
 
@@ -43,15 +51,14 @@ class Portrait:
 
 def draw(library: GaitLibrary) -> Figure:
     """Virtual knee on the left, slide on the right; without a virtual knee the leg's own joint."""
-    gait = _shown(library)
+    robot, gait = library.robot, _shown(library)
     figure = new_figure(3.4)
     figure.set_layout_engine(None)  # which does not see the labels of three axes
-    panels = [("right_slide", "prismatic joint", "slide", "m")]
-    if library.robot.virtual_knee is not None:
-        panels.insert(0, ("right_knee", "virtual knee", "knee flexion", "rad"))
-    elif library.robot.geometry.knee is not None:
-        panels = [("right_slide", "knee", "knee", "rad")]
-    for place, (joint, title, name, unit) in enumerate(panels):  # of the swing leg
+    slides = robot.geometry.knee is None
+    panels = [("right_slide", *(("prismatic joint", "m") if slides else ("knee", "rad")))]
+    if robot.virtual_knee is not None:
+        panels.insert(0, ("right_knee", "virtual knee", "rad"))
+    for place, (joint, title, unit) in enumerate(panels):  # of the swing leg
         bounds = (0.5 * place - 0.01 + 0.25 * (len(panels) == 1), 0.0, 0.47, 1.0)
         # In the order of drawing: the orbit in front of the surfaces.
         axes = figure.add_axes(bounds, projection="3d", computed_zorder=False)
@@ -59,27 +66,15 @@ def draw(library: GaitLibrary) -> Figure:
         _draw(axes, portrait(gait, joint))
         axes.set_title(title, y=0.96)
         axes.set_xlabel("roll of the stance foot [rad]", labelpad=-3)
-        axes.set_ylabel(f"{name} [{unit}]", labelpad=-3)
-        axes.set_zlabel(f"its velocity [{unit}/s]", labelpad=-3)
+        axes.set_ylabel(f"position [{unit}]", labelpad=-3)
+        axes.set_zlabel(f"velocity [{unit}/s]", labelpad=-3)
     return figure
 
 
 def caption(library: GaitLibrary) -> str:
     """What the surfaces are, and of which gait."""
     vx, vy, _ = _shown(library).velocity
-    joint = "virtual knee (left) or slide (right); eq. 1 maps one to the other"
-    if library.robot.virtual_knee is None:
-        joint = "slide" if library.robot.geometry.knee is None else "knee"
-    return (
-        f"The gait at ({vx:g}, {vy:g}) m/s. Axes are the roll of the stance foot, which no motor "
-        f"drives, and position and velocity of the swing leg's {joint}. Z: all joints are on their "
-        "virtual constraints, whatever the roll; its rate, the fourth coordinate of the zero "
-        "dynamics beside the phase, is not drawn. S: with the joints on their constraints the "
-        "swing foot touches the ground; contact depends on positions alone, so S is upright. The "
-        "orbit crosses S ∩ Z, and the impact Δ takes it to the start of the next step, where the "
-        "legs have changed names. Z ends at the touchdown; where that is later than the gait's, "
-        "the joints' polynomials go on."
-    )
+    return _CAPTION.format(vx=vx, vy=vy)
 
 
 def portrait(gait: Gait, joint: str) -> Portrait:

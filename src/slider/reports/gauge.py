@@ -41,9 +41,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = _CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]})
     parts = [caption, *gauge_tables(frame)]
-    report.write(out / "gauge", "Gauge", section["robot"], frame, None, parts)
+    report.write(out / "gauge", "Gauge", section["robot"], frame, parts)
     numbers = frame[frame["axis"] == NUMBER].set_index("controller")["level"].to_dict()
-    job.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
     return {"rows": len(frame), "gauge": numbers}
 
 

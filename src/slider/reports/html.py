@@ -4,7 +4,7 @@ import base64
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, PackageLoader
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from markupsafe import escape
@@ -16,13 +16,7 @@ _LONGEST = 40  # characters of a number with its spread and interval, which stay
 
 def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
     """The whole page, without scripts; of each section title and HTML, by its name."""
-    environment = Environment(
-        loader=PackageLoader("slider.reports", "templates"),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = Environment(loader=PackageLoader("slider.reports", "templates"), autoescape=True)
     return environment.get_template("page.html").render(title=title, sections=sections)
 
 

@@ -93,7 +93,7 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     parts = [picture(TRACKING), TRACKING_CAPTION]
     draw = partial(walking.draw_tracking, frame)
     title = f"Forward velocity over time: {TRACKING}"
-    report.write(out / TRACKING, title, section["robot"], frame, draw, parts)
+    report.write(out / TRACKING, title, section["robot"], frame, parts, draw)
     return {"rows": len(frame)}
 
 
@@ -122,15 +122,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     }.get(kind)
     if figure is not None:
         parts.insert(0, picture(name))
-    report.write(out / name, f"{title}: {name}", section["robot"], frame, figure, parts)
+    report.write(out / name, f"{title}: {name}", section["robot"], frame, parts, figure)
     if kind != "speeds":
         rates = frame.groupby("controller", sort=False)["success_rate"]
         picked = rates.min() if kind == "cases" else rates.last()  # of all cases, or at the end
         return {"rows": len(frame), "success_rate": picked.to_dict()}
-    highest = highest_tracked(frame)
-    metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
-    job.log_metrics(metrics, 0)
-    return {"rows": len(frame), "highest_tracked": highest}
+    return {"rows": len(frame), "highest_tracked": highest_tracked(frame)}
 
 
 def _speeds(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:

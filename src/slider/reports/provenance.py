@@ -15,8 +15,8 @@ _TEXT = (
     "was in the store already may be an older one: same recipe, same result. A recipe is the "
     "digest of a job's configuration, source, package versions and inputs."
 )
-_AS_WRITTEN: dict[str, Any] = {"sort_keys": False, "allow_unicode": True}
 _UNKNOWN = "not\u00a0recorded"
+_NOTHING = {"machine": _UNKNOWN, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
 _STAGES = {  # in the order in which they run; others follow
     "gait": "gaits",
     "library": "gait library",
@@ -52,27 +52,19 @@ def blocks(
     yield _TEXT.format(commit=_commit(page))
     yield _stages(table)
     columns = ["stage", "label", "recipe", "object", "source", "commit", "machine"]
+    written = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
     for title, text in (
         ("Versions of packages", yaml.safe_dump(versions)),
         ("Recipes, objects and commits of all jobs", table[columns].to_csv(index=False)),
-        ("Resolved configuration", yaml.safe_dump(dict(configuration), **_AS_WRITTEN)),
+        ("Resolved configuration", written),
     ):
         yield f"## {title}\n\n````\n{text}````"
 
 
 def _table(jobs: Sequence[Recorded]) -> pd.DataFrame:
     """A row per result, each once, by stage."""
-    nothing = {"machine": _UNKNOWN, "wall_s": 0.0, "cpu_s": 0.0, "ended": ""}
     rows = [
-        {
-            **nothing,
-            **metadata,
-            **origin,
-            "recipe": origin["recipe"][:16],
-            "object": folder.name[:16],
-            "source": origin["source"][:12],
-            "commit": _commit(metadata),
-        }
+        {**_NOTHING, **metadata, **origin, "object": folder.name, "commit": _commit(metadata)}
         for origin, metadata, folder in jobs
     ]
     table = pd.DataFrame(rows).drop_duplicates("recipe")

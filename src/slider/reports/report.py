@@ -65,22 +65,20 @@ def picture(name: str) -> str:
     return f"![{name.capitalize()}](figures/{name}.svg)"
 
 
-def write_document(path: Path, title: str, robot: str, parts: Iterable[str | Table]) -> None:
-    """Write texts and tables below a title; names a robot that is not the paper's."""
-    head = [f"# {title}", *([] if robot == PAPER_ROBOT else [f"Robot: {robot}"])]
-    path.write_text(tables.markdown([*head, *parts]), encoding="utf-8")
-
-
 def write(
     stem: Path,
     title: str,
     robot: str,
     frame: pd.DataFrame,
-    draw: Callable[[], Figure] | None,
     parts: Iterable[str | Table],
+    draw: Callable[[], Figure] | None = None,
 ) -> None:
-    """Write ``stem``.csv and .md, and .svg of what is drawn."""
+    """Write ``stem``.csv, .md, and .svg of what is drawn.
+
+    Texts and tables stand below the title; a robot that is not the paper's is named.
+    """
     tables.write(frame, stem.with_suffix(".csv"))
+    head = [f"# {title}", *([] if robot == PAPER_ROBOT else [f"Robot: {robot}"])]
+    stem.with_suffix(".md").write_text(tables.markdown([*head, *parts]), encoding="utf-8")
     if draw is not None:
         write_pictures(stem, draw)
-    write_document(stem.with_suffix(".md"), title, robot, parts)

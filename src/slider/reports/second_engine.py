@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import speed_text
 from slider.core.tables import Table
@@ -34,13 +33,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     ours = report.results(report.load(inputs["evaluations"], section["labels"]))
     engines = pd.DataFrame(section["engines"], columns=["engine", "friction"])
     frame = pd.concat([engines, ours], axis=1)
-    tables.write(frame, out / "second_engine.csv")
     audit = json.loads((inputs["audits"][0] / AUDIT).read_text(encoding="utf-8"))
     body = [[one["quantity"], one["part"], *(f"{one[k]:.1g}" for k in _SIZES)] for one in audit]
     audited = Table(["quantity", "part", *_SIZES], body, "Audit")
     shown = _tables(frame, section["friction"])
     parts = [_CAPTION.format(**section["protocol"]), *shown, _AUDIT, audited]
-    report.write_document(out / "second_engine.md", "Second engine", section["robot"], parts)
+    report.write(out / "second_engine", "Second engine", section["robot"], frame, parts)
     return {"rows": len(frame)}
 
 

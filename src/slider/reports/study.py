@@ -55,7 +55,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         shown = strongest(summary).dropna(subset="metric").set_index("variant")["label"]
         drawn = partial(draw_curves, curves, shown.to_dict())
         parts.insert(1, picture(name))
-    report.write(out / name, title, section["robot"], summary, drawn, parts)
+    report.write(out / name, title, section["robot"], summary, parts, drawn)
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 

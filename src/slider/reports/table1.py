@@ -21,7 +21,7 @@ from slider.reports import report
 from slider.reports.figures.style import write_pictures
 from slider.reports.figures.walking import draw_tradeoff
 from slider.reports.quantities import PAPER, PAPER_ROBOT, QUANTITIES
-from slider.reports.report import NAMED, across, write_document
+from slider.reports.report import NAMED, across
 
 COLUMNS = (
     *("controller", "label", "source", "speed"),
@@ -64,13 +64,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     if "mpc_wbc_literal" not in set(ours["controller"]):
         caption += _LITERAL
     rows = ours if robot != PAPER_ROBOT else pd.concat([ours, paper_rows()], ignore_index=True)
-    tables.write(rows[[*COLUMNS]], out / "table1.csv")
     compared = comparisons(rows)
-    write_document(out / "table1.md", "Table 1", robot, [caption, *compared])
+    report.write(out / "table1", "Table 1", robot, rows[[*COLUMNS]], [caption, *compared])
     quality = ours[[name for name in ours if name in {*NAMED, "speed"} or name not in COLUMNS]]
-    tables.write(quality, out / "gait_quality.csv")
     parts = [_QUALITY, *quality_tables(quality)]
-    write_document(out / "gait_quality.md", "How it walks", robot, parts)
+    report.write(out / "gait_quality", "How it walks", robot, quality, parts)
     write_pictures(out / TRADEOFF, partial(draw_tradeoff, ours))
     lines = [f"% Robot: {robot}. {escape(caption)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]

@@ -30,7 +30,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     frame = pd.concat(searches, names=["controller"]).reset_index("controller")
     texts = [table for name, mine in searches.items() for table in _tables(name, mine, section)]
     title, parts = "Tuned baselines", [_CAPTION, *texts]
-    report.write(out / "baseline_tuning", title, section["robot"], frame, None, parts)
+    report.write(out / "baseline_tuning", title, section["robot"], frame, parts)
     scores = {name: float(_present_and_best(mine)[1]["score"]) for name, mine in searches.items()}
     return {"trials": len(frame), "scores": scores}
 

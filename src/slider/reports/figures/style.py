@@ -25,7 +25,6 @@ _STYLE: dict[str, Any] = {
     "svg.hashsalt": "slider",  # else every file has its own random names
     "svg.fonttype": "path",
     "figure.dpi": 100,
-    "savefig.dpi": 160,
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.titlesize": 8.5,
@@ -41,7 +40,6 @@ _STYLE: dict[str, Any] = {
     "legend.fontsize": 7.5,
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
-    "image.cmap": COLOURS,
 }
 
 

@@ -141,8 +141,8 @@ def draw_tracking(frame: pd.DataFrame) -> Figure:
         for index, label in enumerate(labels):
             mine = frame[(frame["speed"] == command) & (frame["label"] == label)]
             mean, spread = mine["mean_velocity"], mine["mean_velocity_spread"]
-            _band(axes, mine["time"], mean, spread, index)
-        axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
+            _band(axes, mine["time"], mean, spread, index, str(label))
+        axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
         axes.set_title(f"{speed_text(command)} m/s")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.margins(x=0.0)
@@ -154,9 +154,6 @@ def draw_tracking(frame: pd.DataFrame) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
     figure.align_ylabels()
-    for index, label in enumerate(labels):
-        panels[0, 0].plot([], [], label=label, **_look(index))
-    panels[0, 0].plot([], [], color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
     legend_above(figure, *panels[0, 0].get_legend_handles_labels())
     return figure
 

@@ -7,14 +7,10 @@ from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.core.tables import read, write
 from slider.reports import gauge
-from slider.reports.gauge import NUMBER, gauge_frame, highest_level
+from slider.reports.gauge import NUMBER, gauge_frame
 from tests.env.synthetic import config
 
 LABELS = {"policy": "policy (ours)", "hzd": "HZD"}
-
-
-def test_the_highest_level_has_no_bad_one_below():
-    assert highest_level([1.0, 0.9, 0.89, 1.0], 0.9) == 2
 
 
 def cells(passed: dict[int, list[float]], directions=(np.nan,)) -> pd.DataFrame:
@@ -35,7 +31,7 @@ def both() -> dict[tuple[str, str], pd.DataFrame]:
         ("policy", "slope_up"): cells({1: [10, 10], 2: [8, 10], 3: [10, 7]}),
         ("policy", "push"): pushed,
         ("hzd", "slope_up"): cells({1: [0, 0], 2: [np.nan, np.nan], 3: [np.nan, np.nan]}),
-        ("hzd", "push"): cells({1: [10, 10], 2: [10, 10], 3: [10, 10]}, (0.0, np.pi)),
+        ("hzd", "push"): cells({1: [10, 10], 2: [8, 10], 3: [10, 10]}, (0.0, np.pi)),
     }
 
 
@@ -56,7 +52,8 @@ def test_levels_magnitudes_and_numbers():
     ]
     assert [rows[0][f"pass_{level}"] for level in (1, 2, 3)] == [1.0, 0.9, 0.85]
     assert np.isnan(rows[3]["pass_2"])
-    assert gauge_frame(joined(), LABELS, 0.95)["level"][0] == 1
+    strict = gauge_frame(joined(), LABELS, 0.95)["level"]
+    assert strict.tolist() == [1, 1, 1, 0, 1, 0.5], "a level above a failed one does not count"
 
 
 def test_files(tmp_path):

@@ -23,9 +23,8 @@ PAPER = composed("experiment=paper")
 
 
 def cells(line: str) -> list[str]:
-    # In a table a bar of the text is written with a backslash.
-    text = line.strip().strip("|").replace("\\|", "\0").replace("`", "")
-    return [cell.strip().replace("\0", "|") for cell in text.split("|")]
+    bars = re.split(r"(?<!\\)\|", line.strip().strip("|").replace("`", ""))
+    return [cell.strip().replace("\\|", "|") for cell in bars]
 
 
 def read() -> list[dict[str, str]]:

@@ -57,10 +57,9 @@ def test_the_paper_has_no_rows_of_another_robot(tmp_path):
     walks = make_robots([[1, 1]], [[0.5, 0.25]])
     _, out = run_stage(tmp_path, {0.2: walks}, SECTION | {"robot": "BRUCE"})
     assert tables.read(out / "table1.csv")["source"].tolist() == ["measured"]
-    for end in ("md", "tex"):
-        text = (out / f"table1.{end}").read_text()
-        assert "Robot: BRUCE" in text
-        assert "paper" not in text
+    text = (out / "table1.md").read_text()
+    assert "Robot: BRUCE" in text
+    assert "paper" not in text
 
 
 def test_extremes_are_those_of_all_robots_that_survive():
@@ -139,10 +138,8 @@ def test_nobody_is_best_where_nobody_survives():
 @pytest.mark.parametrize(
     ("metric", "values", "text"),
     [
-        (SUCCESS, (0.996, 0.00516), "99.6 % ± 0.5"),
         (SUCCESS, (0.996, math.nan, 0.98981, 0.99844), "99.6 % [99.0, 99.8]"),
         (STEADY, (0.000461344, 1.9e-5), "0.000461 ± 0.000019"),
-        (WHOLE, (0.0,), "0.000"),
         (WHOLE, (math.inf,), "∞"),
     ],
 )

@@ -43,21 +43,15 @@ def film(folder: Path, *overrides: str) -> Path:
     return folder / "out"
 
 
-def _width(picture: np.ndarray) -> int:
-    """Of the robot, which is dark [pixel]."""
-    columns = np.flatnonzero((picture.mean(axis=2) < 90).any(axis=0))
-    return columns[-1] - columns[0]
-
-
 @pytest.fixture(scope="module")
 def flat(tmp_path_factory) -> Path:
     """Folder of a film on the plane."""
     return film(tmp_path_factory.mktemp("flat"))
 
 
-def first_picture(out: Path) -> np.ndarray:
+def pictures(out: Path) -> list[np.ndarray]:
     with av.open(str(out / "video.mp4")) as container:
-        return next(container.decode(video=0)).to_ndarray(format="rgb24").astype(int)
+        return [one.to_ndarray(format="rgb24").astype(int) for one in container.decode(video=0)]
 
 
 def test_films_what_the_configuration_asks_for(flat):
@@ -65,13 +59,12 @@ def test_films_what_the_configuration_asks_for(flat):
         stream = container.streams.video[0]
         assert (stream.codec.name, stream.width, stream.height) == ("h264", 160, 96)
         assert stream.average_rate == 25
-        pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-    assert len(pictures) == 11  # 0.4 s at 25 per second, both ends
-    assert np.ptp(pictures[0].mean(axis=2)) > 60  # not an empty picture
-    assert (pictures[0].astype(int) != pictures[-1]).any()
-    left, right = np.hsplit(pictures[0][:60].astype(int), 2)  # above the text
-    assert np.abs(left - right).max() > 60  # the side and the front
-    assert _width(right) > 1.2 * _width(left), "hips are wider than long"
+    first, *_, last = shown = pictures(flat)
+    assert len(shown) == 11  # 0.4 s at 25 per second, both ends
+    assert (first != last).any()
+    side, front = (half.mean(axis=2) < 90 for half in np.hsplit(first[:60], 2))  # above the text
+    width, depth = (np.ptp(np.flatnonzero(dark.any(axis=0))) for dark in (front, side))
+    assert width > 1.2 * depth, "hips are wider than long"
     about = json.loads((flat / "about.json").read_text())
     assert (about["controller"], about["speed"]) == ("policy", 0.2)
 
@@ -80,5 +73,5 @@ def test_terrain_is_in_the_picture(flat, tmp_path):
     terrain = "terrain={kinds: [stairs_up], level: {lower: 10, upper: 10}}"
     out = film(tmp_path, f"evaluation.disturbance.{terrain}")
     assert json.loads((out / "about.json").read_text())["terrain"] == "stairs up, 10 cm"
-    changed = np.abs(first_picture(out) - first_picture(flat)).max(axis=2) > 20
+    changed = np.abs(pictures(out)[0] - pictures(flat)[0]).max(axis=2) > 20
     assert changed.mean() > 0.02, "stairs instead of a plane"

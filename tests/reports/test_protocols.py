@@ -20,8 +20,6 @@ from slider.evaluation import segments
 from slider.evaluation.results import AXES, Evaluation, wilson
 from slider.evaluation.segments import velocities
 from slider.reports import protocols
-from slider.reports.figures.style import style
-from slider.reports.figures.walking import draw_tracking
 from tests.config.composed import composed
 from tests.env.synthetic import config, make_recording
 from tests.evaluation.test_results import changing, make_robots, random_robots
@@ -195,16 +193,6 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
     found = ours[["time", "mean_velocity", "mean_velocity_spread"]].to_numpy().tolist()
     assert found == [[0.02, 0.1, 0.01], [0.04, 0.3, 0.02], [0.06, 0.4, 0.0]]
     assert others["mean_velocity"].isna().all()  # nobody survived
-
-
-def test_the_legend_of_six_curves_is_within_the_figure(tmp_path):
-    labels = [*LABELS.values(), "policy (ours), onboard state", "MPC + WBC, tuned", "MPC + WBC, x"]
-    numbers = {"speed": 0.4, "time": 0.02, "mean_velocity": 0.1, "mean_velocity_spread": 0.01}
-    with style():
-        figure = draw_tracking(pd.DataFrame([{"label": name} | numbers for name in labels]))
-        figure.draw_without_rendering()
-    box = figure.legends[0].get_window_extent()
-    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
 
 
 def test_tracking_needs_an_evaluated_speed(tmp_path):

@@ -46,7 +46,7 @@ def test_hydra_of_the_caller_stays_as_it_was(tmp_path):
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         ("control.mpc_wbc_literal.step.time_per_speed=0", "expected +control.mpc_wbc_literal.step"),
         ("train.walking.reward.terms.heding.weight=1", "heading.weight'? A new name needs a + in"),
-        ("gait.bounds={a: {lower: 0, upper: 1}}", "A new name needs a + in front"),
+        ("gait.bounds={a: {lower: 0, upper: 1}}", "key 'gait.bounds.a'. A new name needs a + in"),
         ("finetuning.iterations=3", "expected finetuning=outdoor or finetuning=robust beside it"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
         ("~robot.drives.capstan", "robot.drives: expected hip_yaw, hip_roll, hip_pitch, capstan"),

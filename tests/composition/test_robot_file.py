@@ -93,6 +93,24 @@ def test_no_such_file(tmp_path):
     assert "expected a YAML file, found: No such file" in refusal([f"robot={tmp_path}/none.yaml"])
 
 
+def test_an_installed_package_names_its_robot(written, tmp_path, monkeypatch):
+    written(CHANGED, "robot.yaml")
+    (tmp_path / "their_robots.py").write_text(
+        "from pathlib import Path\nHERE = Path(__file__).parent\n"
+    )
+    info = tmp_path / "theirs-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: theirs\nVersion: 1.0\n")
+    names = "theirs = their_robots:HERE\nslider = their_robots:HERE\nlost = their_robots:NOPE\n"
+    (info / "entry_points.txt").write_text(f"[slider.robots]\n{names}")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert composed("robot=theirs").robot.name == "mine"
+    assert composed("robot=slider").robot.name == "slider"
+    assert "no attribute 'NOPE'" in (lost := refusal(["robot=lost"]))
+    assert lost.startswith("robot=lost: expected one package ")
+    assert "unknown option robot=their, expected one of: " in refusal(["robot=their"])
+
+
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
     off = "robot.links.tube.com=[0.01,0.0,-0.2]"
     assert composed(off).robot.links.tube.com[0] == 0.01

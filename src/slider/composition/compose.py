@@ -9,6 +9,7 @@ import difflib
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -212,17 +213,24 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
 def _unknown(key: str, conf: Path) -> str:
     """Line about a key that the configuration lacks, with the nearest one."""
     group, leaf = key.partition(".")[0], key.rpartition(".")[2]
-    config = compose([], conf)
-    keys = [*flatten(to_dict(config))]
-    if getattr(config, group, config) is None:
+    node: Any = compose([], conf)
+    keys, place = [*flatten(to_dict(node))], ""
+    if getattr(node, group, node) is None:
         choices = " or ".join(f"{group}={name}" for name in _stems(conf / group))
         return f"{key}: expected {choices} beside it, found none"
+    for part in key.split("."):
+        items = node if isinstance(node, dict) else vars(node) if is_dataclass(node) else {}
+        if part not in items:
+            break
+        node, place = items[part], f"{place}{part}."
     if key in keys:
         return f"expected +{key}, found {key}: its default is not in a file of {conf.name}/"
+    new = isinstance(node, dict)
+    keys = [name for name in keys if name.startswith(place)] if new else keys
     same_leaf = [name for name in keys if name.rpartition(".")[2] == leaf]
     nearest = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or same_leaf[:1]
-    hint = f", did you mean '{nearest[0]}'?" if nearest else "."
-    return f"unknown configuration key '{key}'{hint} A new name needs a + in front."
+    hint = f", did you mean '{nearest[0]}'?" if nearest else "." * new
+    return f"unknown configuration key '{key}'{hint}" + " A new name needs a + in front." * new
 
 
 def _stems(folder: Path) -> list[str]:

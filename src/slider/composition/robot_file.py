@@ -1,7 +1,8 @@
 """``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
-``robot=menagerie:NAME`` has our roles for a model of MuJoCo Menagerie, by its name in the package
-``robot_descriptions``.
+An installed package may give a path a name, by an entry point of ``slider.robots``: ``robot=NAME``.
+Names of ``conf/robot`` come first. ``robot=menagerie:NAME`` has our roles for a model of MuJoCo
+Menagerie, by its name in the package ``robot_descriptions``.
 The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
 ``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
 optional. A value of either file has no other tag than the file's.
@@ -13,6 +14,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout
 from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -29,6 +31,8 @@ if TYPE_CHECKING:  # planning has no need of MuJoCo, but for robots with a model
     from slider.robot.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
+ENTRY_POINTS = "slider.robots"
+"""Group of entry points; each loads the path of a robot's file or folder."""
 _OPTION = "outside"
 _MENAGERIE = Path(__file__).parent / "menagerie"
 
@@ -97,9 +101,17 @@ def _path(text: str) -> Path | None:
         names = sorted(file.stem for file in _MENAGERIE.glob("*.yaml"))
         require((name := text.partition(":")[2]) in names, text, " or ".join(names), name)
         return _MENAGERIE / f"{name}.yaml"
-    if (match := _PATH.fullmatch(text)) is None:
+    if match := _PATH.fullmatch(text):
+        path = Path(match[1]).expanduser()
+    elif packaged := [*entry_points(group=ENTRY_POINTS, name=text.removeprefix("robot="))]:
+        expected = f"one package with a path of that name in {ENTRY_POINTS}"
+        require(len(packaged) == 1, text, expected, ", ".join(one.value for one in packaged))
+        try:
+            path = Path(packaged[0].load())
+        except (ImportError, AttributeError, TypeError) as error:
+            raise UserError(f"{text}: expected {expected}, found: {error}") from None
+    else:
         return None
-    path = Path(match[1]).expanduser()
     return path / "robot.yaml" if path.is_dir() else path
 
 

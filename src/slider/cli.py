@@ -19,7 +19,7 @@ from slider.core.errors import UserError, not_written
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
-    "robot": ("slider.commands.robot", "check a robot's file"),
+    "robot": ("slider.commands.robot", "check a robot's file and draw the robot"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "why": ("slider.commands.why", "show what would be computed, because of which change"),

@@ -245,7 +245,8 @@ def test_an_ankle_that_rolls_is_that_of_the_file(tmp_path, capsys):
     assert apart(robot, file, pose) < 1e-5
     file.jnt_pos[file.joint("left_ankle_roll").id, 2] += 0.01
     assert apart(robot, file, pose) > 1e-3
-    assert main(["robot", str(tmp_path), "--conf", str(CONF)]) == 0
+    picture = tmp_path / "robot.png"
+    assert main(["robot", str(tmp_path), "--conf", str(CONF), "--draw", str(picture)]) == 0
     said = capsys.readouterr().out
     assert "talus" in said
     (remark,) = (line for line in said.splitlines() if "remark" in line)
@@ -525,10 +526,15 @@ def test_a_typed_value_comes_before_that_of_the_model(folder):
     assert (tags["links.tube.com"], tags["geometry.leg_length"]) == ("measured", "")
 
 
-def test_the_robot_as_numbers(folder, capsys):
-    assert main(["robot", f"{folder}/robot.yaml", "--conf", str(CONF)]) == 0
+def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
+    assert main(["robot", str(folder), "--conf", str(CONF), "--draw", "none/robot.png"]) == 1
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n")) == ("", 1)
+    picture = folder / "robot.png"
+    assert main(["robot", f"{folder}/robot.yaml", "--conf", str(CONF), "--draw", str(picture)]) == 0
     said = capsys.readouterr().out
     assert "differ by 0.0%" in said
+    assert picture.read_bytes().startswith(b"\x89PNG")
     row = next(line for line in said.splitlines() if line.startswith("hip_roll") and "%" in line)
     model = build_spec(composed(f"robot={folder}/robot.yaml").robot, SimulationOptions())
     model = model.compile()

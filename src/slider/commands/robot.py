@@ -1,4 +1,4 @@
-"""``slider robot``: what a robot's file gives, as numbers."""
+"""``slider robot``: what a robot's file gives, as numbers and as a picture."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -14,6 +14,7 @@ from slider.composition.compose import compose
 from slider.composition.robot_file import read_option
 from slider.config.parameters import parameters
 from slider.config.robot import Geometry, RobotConfig
+from slider.core.errors import require
 from slider.robot.knee_map import all_joints
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.model_file import APART, ModelFile
@@ -26,15 +27,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("robot", help="a file, such as ./robot.yaml, or a robot of conf/robot")
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
+    parser.add_argument("--draw", type=Path, metavar="PNG", help="draw the nominal pose")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print masses, axes, ranges and torques."""
+    """Print masses, axes, ranges and torques; draw the robot if asked to."""
+    picture = arguments.draw
+    possible = picture is None or (picture.suffix == ".png" and picture.parent.is_dir())
+    require(possible, "--draw", "a name that ends in .png in a folder", picture)
     robot = compose([f"robot={arguments.robot}"], arguments.conf).robot
     data = mujoco.MjData(build_model(robot, SimulationOptions()))  # all joints at zero
     mujoco.mj_forward(data.model, data)
     model, given = read_option(arguments.robot)
     print("\n".join(_lines(robot, data, model, given)))
+    if picture is not None:
+        _draw(robot, data, picture)
+        print(f"{picture} is ready")
 
 
 def _lines(
@@ -143,3 +151,40 @@ def _standing_efforts(robot: RobotConfig) -> np.ndarray:
 
     still = np.zeros(NUM)
     return RootedRobot(robot).dynamics(still, still)[1].full().ravel()[1:]
+
+
+def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
+    """The nominal pose from the right and the front, axes of the left leg."""
+    from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
+
+    marked = (*robot.geometry.axes.order, "ankle")
+    base, sole = data.body("base").xpos, -robot.geometry.ankle_height
+    half = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
+    foot = np.array([[-robot.geometry.heel, -half, sole], [robot.geometry.toe, half, sole]])
+    with style():
+        figure = new_figure(4.5)
+        panels = figure.subplots(1, 2, sharey=True)
+        for across, (panel, title) in enumerate(zip(panels, ("right", "front"), strict=True)):
+            for side, colour in (("right", LIGHT), ("left", DARK)):
+                axes = {name: data.joint(f"{side}_{name}").xanchor for name in robot.joints}
+                chain, top = [base, *(axes[name] for name in marked)], [axes["hip_pitch"]]
+                if robot.geometry.knee is None:
+                    top.append(axes.get("upper_foot", axes["hip_pitch"]))
+                else:
+                    chain.insert(-1, axes["slide"])
+                    panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
+                for line in np.array(chain), np.array(top), axes["ankle"] + foot:
+                    panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
+            panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
+            panel.axhline(0.0, color=MIDDLE, linewidth=0.8)
+            for k, name in enumerate(marked):
+                place = axes[name][[across, 2]]
+                panel.plot(*place, "o", color=MIDDLE, markersize=4)
+                arrow = {"arrowstyle": "-", "color": LIGHT}
+                text = {"textcoords": "axes fraction", "ha": "right", "arrowprops": arrow}
+                panel.annotate(name, place, (0.98, 0.8 - 0.08 * k), **text)
+            panel.set(aspect="equal", title=f"from the {title}", xlabel="xy"[across] + " [m]")
+            top = max(base[2], *(axes[name][2] for name in marked))
+            panel.set(xlim=(-top, top), ylim=(-0.1 * top, 1.2 * top))
+        panels[0].set_ylabel("z [m]")
+        figure.savefig(path)

@@ -69,6 +69,7 @@ def test_our_own_model_gives_the_numbers_that_it_was_built_from(robot, side, tmp
         light = replace(robot.links.upper_foot, mass=1e-9, inertia=(1e-12,) * 3)
         robot, roles = replace(robot, links=replace(robot.links, upper_foot=light)), KNEED
     found = read_model(mjcf(robot, tmp_path), roles | {"side": side})
+    assert sum(found.held.values()) < 1e-8
     assert found.differs[0] < 1e-6
     expected = flatten({name: to_dict(robot)[name] for name in found.values})
     for name, drive in robot.drives.items():
@@ -115,12 +116,28 @@ def test_the_line_is_in_the_middle_of_the_models_sole(side, tmp_path):
     assert links["roll"]["com"][1] == pytest.approx(SLIDER.links.roll.com[1])
     typed = read_model(path, roles | {"foot_y": 0.09}).values["geometry"]["axes"]
     assert sum(typed[name][1] for name in HIP_JOINTS) == pytest.approx(0.09)
+    width, depth = (np.ptp(np.array(outline)[:, 0]) for outline in found.outlines)
+    assert (width, depth) == pytest.approx((0.2, 0.1), abs=1e-3)
 
 
 def test_a_sole_that_is_not_level_is_told(tmp_path):
     found = read_model(footed(tmp_path, 0.0, 0.0, 0.175), ROLES)
     assert "sole is not level in roles.pose: turn the ankle by -0.17 rad" in " ".join(found.remarks)
     assert found.values["geometry"].keys().isdisjoint(["ankle_height", "toe", "heel"])
+
+
+@pytest.mark.parametrize(
+    ("x", "roles", "message"),
+    [
+        (0.03, {"forward": "-x"}, "(the base looks along −x: roles.forward: -x)"),
+        (0.03, {"joints": {k: [*reversed(v)] for k, v in ROLES["joints"].items()}}, "are swapped)"),
+    ],
+)
+def test_a_base_that_looks_backwards_is_told_from_legs_that_are_swapped(
+    x, roles, message, tmp_path
+):
+    with pytest.raises(UserError, match=re.escape(message)):
+        read_model(footed(tmp_path, x, 0.0), ROLES | roles)
 
 
 def printed(folder: Path, text: str, capsys) -> str:
@@ -143,6 +160,13 @@ def test_a_line_beside_the_models_sole_is_told(tmp_path, capsys):
     assert "remark: y of the foot line is 0.110 m, of the model 0.120" in said
     assert "remark: toe of the foot line is 0.085 m, of the model 0.130" in said
     assert "remark: heel" not in said
+
+
+def test_a_pose_that_turns_the_feet_is_told(tmp_path):
+    robot = mjcf(SLIDER, tmp_path)
+    assert read_model(robot, ROLES | {"pose": {}}).foot_rotation == pytest.approx(0.0, abs=1e-6)
+    pose = {"left_ankle": 0.1, "right_ankle": 0.1}
+    assert read_model(robot, ROLES | {"pose": pose}).foot_rotation == pytest.approx(0.1, abs=1e-6)
 
 
 def apart(robot: RobotConfig, file: mujoco.MjModel, pose: dict[str, float]) -> float:
@@ -186,6 +210,7 @@ def test_a_leg_of_any_axes_bent_by_an_angle_is_that_of_the_file(bend, tmp_path):
     values = OmegaConf.to_container(OmegaConf.merge(to_dict(turned(True)), found.values))
     robot = from_dict(RobotConfig, values)
     assert abs(robot.geometry.bend) == pytest.approx(bend, abs=0.01)
+    assert found.foot_rotation < 1e-5
     file = mujoco.MjModel.from_xml_path(str(path))
     assert apart(robot, file, found.pose) < 1e-5
     file.jnt_axis[file.joint("left_ankle").id, 2] *= -1.0
@@ -248,9 +273,9 @@ def test_an_ankle_that_rolls_is_that_of_the_file(tmp_path, capsys):
     picture = tmp_path / "robot.png"
     assert main(["robot", str(tmp_path), "--conf", str(CONF), "--draw", str(picture)]) == 0
     said = capsys.readouterr().out
+    assert "held: nothing" in said
     assert "talus" in said
-    (remark,) = (line for line in said.splitlines() if "remark" in line)
-    assert remark.startswith("remark: guessed, kp = torque / 0.5 rad")
+    assert "remark" not in said
 
 
 CROSS = """<inertial pos="-0.01 0 0.01" mass="0.1"
@@ -361,6 +386,7 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     robot = lopsided()
     found = read_model(urdf(robot, tmp_path), NO_YAW)
     values, geometry = found.values, robot.geometry
+    assert found.held == {"arm_joint": pytest.approx(0.25)}
     assert_links(values, robot, "roll", "pitch", "tube", "foot")
     both = robot.links.base.mass + 2 * robot.links.yaw.mass  # the yaw links are welded to it
     assert values["links"]["base"]["mass"] == pytest.approx(both)
@@ -533,6 +559,7 @@ def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
     picture = folder / "robot.png"
     assert main(["robot", f"{folder}/robot.yaml", "--conf", str(CONF), "--draw", str(picture)]) == 0
     said = capsys.readouterr().out
+    assert "held: nothing" in said
     assert "differ by 0.0%" in said
     assert picture.read_bytes().startswith(b"\x89PNG")
     row = next(line for line in said.splitlines() if line.startswith("hip_roll") and "%" in line)
@@ -599,8 +626,10 @@ def test_motors_come_from_the_model_but_for_typed_values(folder):
     assert yaw.speed == SLIDER.drives["hip_yaw"].speed
     assert robot.gains["hip_yaw"].kp == pytest.approx(8.0 / 0.5)
     assert (robot.gains["hip_roll"].kp, robot.gains["hip_roll"].kd) == (5.0, 18.0)
-    (remark,) = (text for text in model_of(folder / YAML).remarks if text.startswith("guessed"))
-    assert remark.endswith(": gains.hip_yaw.kp, gains.hip_yaw.kd")
+    sources = model_of(folder / YAML).motors
+    assert sources["drives.hip_yaw.torque"] == "ctrlrange"
+    assert sources["drives.hip_roll.torque"] == "forcerange"
+    assert (sources["gains.hip_yaw.kp"], "gains.hip_roll.kp" in sources) == ("rule", False)
 
 
 def test_xacro_says_what_to_run_first(folder):
@@ -639,6 +668,12 @@ def test_products_of_the_base_count_as_zero_and_are_told(product, passes, folder
     assert model.values["links"]["base"]["products"] == [0.0, 0.0, 0.0]
 
 
+def test_what_no_leg_has_is_ignored_by_name(folder):
+    change(folder / "robot.xml", *joined('<weld body1="base"/>'))
+    model = model_of(folder / "robot.yaml")
+    assert model.remarks == ["ignored, as no leg has them: weld constraint of base and world"]
+
+
 YAML, XML = "robot.yaml", "robot.xml"
 SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other", "right")
 
@@ -651,7 +686,7 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
         (YAML, "base: base", "base: world", "roles.base: expected the body of the base, found wo"),
         (YAML, "base: base", "base: pelvis", "roles.base: expected a body of the model. Invalid n"),
         (YAML, "left_slide", "left_knee", "expected a joint of the model. Invalid name"),
-        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or roles", id="swapped"),
+        pytest.param(YAML, TEXT, SWAPPED, "m (left and right are swapped, or the b", id="swapped"),
         (YAML, "hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         (YAML, "yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         (YAML, "base: base,", "base: base, sides: left,", "unknown configuration key"),

@@ -6,6 +6,7 @@
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,9 +19,10 @@ from slider.core.errors import require
 from slider.robot.knee_map import all_joints
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.model_file import APART, ModelFile
+from slider.robot.model_motors import GUESS
 from slider.robot.transmission import Transmission
 
-_BEHIND = 0.1  # of a foot's length
+_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     model, given = read_option(arguments.robot)
     print("\n".join(_lines(robot, data, model, given)))
     if picture is not None:
-        _draw(robot, data, picture)
+        _draw(robot, data, picture, model.outlines if model else [])
         print(f"{picture} is ready")
 
 
@@ -94,9 +96,23 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
     if model is not None:
         difference, part = model.differs
         yield f"left and right differ by {difference:.1%} ({part})"
+        if abs(model.lateral) > _SEEN:
+            yield f"the base's centre at y = {model.lateral:.4f} m counts as 0"
         if model.pose:
             angles = (f"{name}: {angle:.4f}" for name, angle in model.pose.items())
             yield f"solved pose: {{{', '.join(angles)}}}"
+        if model.foot_rotation > _LEVEL and not model.foot:
+            angle = np.rad2deg(model.foot_rotation)
+            yield (
+                f"remark: the pose turns the feet by {angle:.0f}° from the model's zero. If they "
+                "are level there, the sum of hip, knee and ankle in roles.pose is wrong"
+            )
+        held = (f"{name} and beyond with {mass:.2f} kg" for name, mass in model.held.items())
+        yield f"held: {', '.join(held) or 'nothing'}"
+        for source in dict.fromkeys(model.motors.values()):
+            keys = ", ".join(key for key, own in model.motors.items() if own == source)
+            what = f"guessed, {GUESS}" if source == "rule" else f"from the model's {source}"
+            yield f"{what}: {keys}"
         yield from _foot(robot.geometry, model.foot)
         yield from (f"remark: {text}" for text in model.remarks)
     paths = [item.path for item in parameters(robot)]
@@ -153,12 +169,13 @@ def _standing_efforts(robot: RobotConfig) -> np.ndarray:
     return RootedRobot(robot).dynamics(still, still)[1].full().ravel()[1:]
 
 
-def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
-    """The nominal pose from the right and the front, axes of the left leg."""
+def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[Any]) -> None:
+    """The nominal pose from the right and the front, axes of the left leg, feet of the model."""
     from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
 
     marked = (*robot.geometry.axes.order, "ankle")
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
+    foot_style = {"color": MIDDLE, "alpha": 0.25, "linewidth": 0}
     half = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
     foot = np.array([[-robot.geometry.heel, -half, sole], [robot.geometry.toe, half, sole]])
     with style():
@@ -175,6 +192,9 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path) -> None:
                     panel.plot(*axes["slide"][[across, 2]], "o", color=MIDDLE, markersize=4)
                 for line in np.array(chain), np.array(top), axes["ankle"] + foot:
                     panel.plot(line[:, across], line[:, 2], color=colour, linewidth=2)
+                for outline in outlines[across : across + 1]:
+                    mirror = [-1.0 if across and side == "right" else 1.0, 1.0]
+                    panel.fill(*(base[[across, 2]] + mirror * np.array(outline)).T, **foot_style)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
             panel.axhline(0.0, color=MIDDLE, linewidth=0.8)
             for k, name in enumerate(marked):

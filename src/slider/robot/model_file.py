@@ -14,7 +14,7 @@ from slider.config.convert import from_dict
 from slider.config.robot import HIP_JOINTS, LINKS, SOLE_LINKS, Body
 from slider.core.errors import require
 from slider.robot.model_compile import compiled
-from slider.robot.model_motors import GUESS, drives
+from slider.robot.model_motors import drives
 from slider.robot.model_pose import MAX_OFFSET
 from slider.robot.model_tree import (
     AXES,
@@ -28,7 +28,7 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_LEVEL = 0.04  # of a sole [rad]
+_AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
 APART = 5e-3  # of a foot's middle from its line, or from the axis of the roll [m]
 
 
@@ -38,17 +38,27 @@ class ModelFile:
 
     Attributes:
         values: ``geometry``, ``links`` and ``joints`` of ``conf/robot``.
+        held: joints without a role, with the mass that they carry [kg].
         differs: largest difference of the legs, and what has it.
+        lateral: y of the base's centre, which counts as 0 [m].
+        foot_rotation: angle of the feet between the pose and the model's own zero [rad].
         pose: what was solved of the pose, by joint.
         remarks: what was ignored, rounded or assumed.
         foot: place of the sole in the model, as :meth:`Foot.line` has it; none without geometry.
+        outlines: of the left foot, as :meth:`Foot.outlines` has them.
+        motors: what values of ``drives`` and ``gains`` come from, by dotted key.
     """
 
     values: dict[str, Any]
+    held: dict[str, float]
     differs: tuple[float, str]
+    lateral: float
+    foot_rotation: float
     pose: dict[str, float]
     remarks: list[str]
     foot: dict[str, float]
+    outlines: list[Any]
+    motors: dict[str, str]
 
 
 def read_model(
@@ -71,8 +81,7 @@ def read_model(
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
-    found = f"its ankle at y = {lateral:.3f} m (left and right are swapped, or roles.forward is -x)"
-    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
+    _check_side(lateral, leg["ankle_roll" if tree.has_sole else "ankle"], foot)
     if not shape and roles.foot_y is None and not tree.has_sole:
         other = (left if leg is right else right)["ankle"].place[1]
         text = f"its line is at the ankle's anchor, y = {lateral:.3f} m ({other:.3f} on the other"
@@ -85,7 +94,7 @@ def read_model(
         within = abs(line - middle) <= APART or not (shape or roles.foot_y is not None)
         require(within, "robot.roles.joints.ankle_roll", expected, f"y = {line:.3f} m")
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
-    base, places = tree.base(), _origins(leg, tree.has_knee, line)
+    (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
         places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
     below = SOLE_LINKS if tree.has_sole else LINKS
@@ -110,10 +119,10 @@ def read_model(
     robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
     if tree.has_sole:
         robot["geometry"]["sole"] = _sole(places, foot, typed)
-    values, guessed = drives(tree.motors(int(leg is right), speeds), typed)
-    if guessed:
-        tree.remarks.append(f"guessed, {GUESS}: {', '.join(guessed)}")
-    return ModelFile(robot | values, differs, tree.solved, tree.remarks, foot)
+    values, motors = drives(tree.motors(int(leg is right), speeds), typed)
+    told = tree.foot_rotation, tree.solved, tree.remarks
+    outlines = shape.outlines() if shape else []
+    return ModelFile(robot | values, tree.held(), differs, offset, *told, foot, outlines, motors)
 
 
 def _compare(
@@ -140,6 +149,18 @@ def _compare(
     alike = roles.side is not None or differences[worst] <= roles.tolerance
     require(alike, "robot.model", expected, f"{worst} that differ by {differences[worst]:.1%}")
     return differences[worst], worst
+
+
+def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
+    """Refuse a left leg on the right, with the cause as the foot, below ``last``, tells it."""
+    heavy = last.body.mass > LEAST_MASS
+    ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
+    cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
+    if abs(ahead) > _AHEAD:
+        cause = "the base looks along −x: roles.forward: -x"
+        cause = "left and right are swapped" if ahead > 0.0 else cause
+    found = f"its ankle at y = {lateral:.3f} m ({cause})"
+    require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
 
 
 def _geometry(

@@ -1,4 +1,4 @@
-"""The geometry of a model's foot: the line that it gives."""
+"""The geometry of a model's foot: the line that it gives, and its outline."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 _SLOPE = 0.05  # what rises by less belongs to the sole
+_CORNERS = 24  # of an outline
 
 
 def prepare_feet(spec: mujoco.MjSpec, ankles: set[str], folder: Path) -> set[str]:
@@ -73,6 +74,15 @@ class Foot:
         height = ankle[2] - self.extent(*down)[2]
         ends = {"ankle_height": height, "toe": front - ankle[0], "heel": ankle[0] - rear}
         return {"y": lateral * (left + right) / 2, "width": left - right, **ends}
+
+    def outlines(self) -> list[list[list[float]]]:
+        """Convex outlines in x and z, and in y and z [m]."""
+        turns = np.linspace(0.0, 2 * np.pi, _CORNERS)[:, None]
+        ways = [np.cos(turns) * side + np.sin(turns) * np.eye(3)[2] for side in np.eye(3)[:2]]
+        return [
+            [self.extent(*way)[[axis, 2]].round(4).tolist() for way in round_about]
+            for axis, round_about in enumerate(ways)
+        ]
 
     def _support(self, geom: int, direction: np.ndarray, round_on: np.ndarray) -> np.ndarray:
         """The farthest point (3,) of a geom in a direction, of a round one in another."""

@@ -30,8 +30,10 @@ def urdf_speeds(content: bytes) -> dict[str, float]:
     return {name: speed for name, speed in limits.items() if 0.0 < speed < np.inf}
 
 
-def motor_of(model: mujoco.MjModel, joint: int, speeds: Mapping[str, float]) -> dict[str, float]:
-    """What a model says of a joint's motor: torque, speed, inertia, kp, kd.
+def motor_of(
+    model: mujoco.MjModel, joint: int, speeds: Mapping[str, float]
+) -> dict[str, tuple[float, str]]:
+    """What a model says of a joint's motor: torque, speed, inertia, kp, kd, each with its source.
 
     Of several actuators gains add up, and the smallest limit counts.
     """
@@ -42,58 +44,60 @@ def motor_of(model: mujoco.MjModel, joint: int, speeds: Mapping[str, float]) -> 
         if model.actuator_trntype[act] == mujoco.mjtTrn.mjTRN_JOINT
         and model.actuator_trnid[act, 0] == joint
     ]
-    if limits := [limit for limit in _limits(model, joint, acts) if 0.0 < limit < np.inf]:
+    limits = [limit for limit in _limits(model, joint, acts) if 0.0 < limit[0] < np.inf]
+    if limits:
         found["torque"] = min(limits)
     affine = [k for k in acts if model.actuator_biastype[k] == mujoco.mjtBias.mjBIAS_AFFINE]
     squares = model.actuator_gear[affine, 0] ** 2
     kp, kd = (float(-squares @ model.actuator_biasprm[affine, k]) for k in (1, 2))
-    dof = model.jnt_dofadr[joint]
+    damping = model.dof_damping[model.jnt_dofadr[joint]]
     if kp > 0.0:
-        found["kp"] = kp
-        found |= {"kd": max(kd, 0.0)} if kd > 0.0 or model.dof_damping[dof] > 0.0 else {}
-    if model.dof_armature[dof] > 0.0:
-        found["inertia"] = 0.0
+        found["kp"] = kp, "kp"
+        found |= {"kd": (max(kd, 0.0), "kv")} if kd > 0.0 or damping > 0.0 else {}
+    if model.dof_armature[model.jnt_dofadr[joint]] > 0.0:
+        found["inertia"] = 0.0, "armature"
     name = model.joint(joint).name
-    return found | ({"speed": speeds[name]} if name in speeds else {})
+    return found | ({"speed": (speeds[name], "velocity")} if name in speeds else {})
 
 
-def _limits(model: mujoco.MjModel, joint: int, acts: list[int]) -> Iterator[float]:
+def _limits(model: mujoco.MjModel, joint: int, acts: list[int]) -> Iterator[tuple[float, str]]:
     if model.jnt_actfrclimited[joint]:
-        yield float(np.abs(model.jnt_actfrcrange[joint]).max())
+        yield float(np.abs(model.jnt_actfrcrange[joint]).max()), "actuatorfrcrange or effort"
     for act in acts:
         gear = abs(float(model.actuator_gear[act, 0]))
         plain = model.actuator_gaintype[act] == mujoco.mjtGain.mjGAIN_FIXED
         plain = plain and model.actuator_biastype[act] == mujoco.mjtBias.mjBIAS_NONE
         if model.actuator_forcelimited[act]:
-            yield gear * float(np.abs(model.actuator_forcerange[act]).max())
+            yield gear * float(np.abs(model.actuator_forcerange[act]).max()), "forcerange"
         if plain and model.actuator_ctrllimited[act]:
             most = np.abs(model.actuator_ctrlrange[act]).max() * abs(model.actuator_gainprm[act, 0])
-            yield gear * float(most)
+            yield gear * float(most), "ctrlrange"
 
 
 def drives(
-    motors: Mapping[str, Mapping[str, float]], typed: Mapping[str, Any]
-) -> tuple[dict[str, Any], list[str]]:
-    """``drives`` and ``gains`` of ``conf/robot`` by motor, and the dotted keys of guesses.
+    motors: Mapping[str, Mapping[str, tuple[float, str]]], typed: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """``drives`` and ``gains`` of ``conf/robot`` by motor, and the source of each by dotted key.
 
     Gains that neither the model nor the robot's own file has are guessed where torques are known.
     """
-    values, guessed = {"drives": {}, "gains": {}}, list[str]()
+    values: dict[str, Any] = {"drives": {}, "gains": {}}
+    sources = {}
     for name, motor in motors.items():
         own = {f"{'gains' if k[0] == 'k' else 'drives'}.{name}.{k}": v for k, v in motor.items()}
-        kp, kd, given = f"gains.{name}.kp", f"gains.{name}.kd", set(own)
-        limit = {**own, **typed}.get(f"drives.{name}.torque")
+        kp, kd, torque = f"gains.{name}.kp", f"gains.{name}.kd", f"drives.{name}.torque"
+        limit = typed.get(torque, own.get(torque, (None,))[0])
         if isinstance(limit, int | float):
-            own.setdefault(kp, limit / _BEND)
+            own.setdefault(kp, (limit / _BEND, "rule"))
             for quantity, value in _KNEE_AND_ANKLE.items():
                 if name in ("slide", "ankle", "ankle_roll"):
-                    own.setdefault(f"drives.{name}.{quantity}", value)
-        loop = {**own, **typed}.get(kp)
+                    own.setdefault(f"drives.{name}.{quantity}", (value, "rule"))
+        loop = typed.get(kp, own.get(kp, (None,))[0])
         if isinstance(loop, int | float):
-            own.setdefault(kd, loop * _TIME)
-        for key, value in own.items():
+            own.setdefault(kd, (loop * _TIME, "rule"))
+        for key, (value, source) in own.items():
             if key not in typed:
                 group, _, quantity = key.split(".")
                 values[group].setdefault(name, {})[quantity] = float(f"{value:.9g}")
-                guessed += [key] * (key not in given)
-    return values, guessed
+                sources[key] = source
+    return values, sources

@@ -26,7 +26,6 @@ from slider.config.robot import (
     axis_of,
 )
 from slider.core.errors import UserError, require
-from slider.robot.bodies import joined
 from slider.robot.model_foot import Foot
 from slider.robot.model_motors import motor_of
 from slider.robot.model_pose import LegPose
@@ -46,6 +45,7 @@ AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
     "slide": (0.0, 0.0, -1.0),
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+_FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _MAX_TILT = 1e-3  # of a yaw or roll axis that counts as upright or level [rad]
 _MAX_SKEW = np.deg2rad(0.5)  # of other axes against the frame's [rad]
 _MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
@@ -112,6 +112,7 @@ class ModelTree:
         self._data.qpos[model.jnt_qposadr[moves]] = self._zero[moves]
         along, across = np.cos(_TURNS[roles.forward]), np.sin(_TURNS[roles.forward])
         forward = np.array([[along, -across, 0.0], [across, along, 0.0], [0.0, 0.0, 1.0]])
+        legs = []
         for side in range(2):
             joints = {name: pair[side] for name, pair in self._joints.items()}
             line = None if roles.foot_y is None or self.has_sole else roles.foot_y * (1 - 2 * side)
@@ -120,7 +121,9 @@ class ModelTree:
             typed = [name for name in joints if names[name] in roles.pose]
             for name, angle in leg.solve(typed, roles.bend).items():
                 self._zero[joints[name]] = self.solved[names[name]] = angle
+            legs.append(leg)
         mujoco.mj_kinematics(model, self._data)
+        self.foot_rotation = legs[0].turned()
         mujoco.mj_comPos(model, self._data)
         self._turn = forward @ self._data.xmat[self._base].reshape(3, 3).T
         self._origin = self._data.xpos[self._base].copy()
@@ -130,7 +133,8 @@ class ModelTree:
         if rubs:
             names = ", ".join(model.joint(k).name for k in sorted(rubs))
             self.remarks.append(f"ignored frictionloss of {names}")
-        self._check_constraints()
+        if ignored := self._check_constraints():
+            self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
 
     def _raise_origin(self) -> None:
         """Move the base's origin up to the pitch axes where the model has it below mid-leg."""
@@ -151,9 +155,10 @@ class ModelTree:
             owners[body] = own[-1] if own else max(parent, -1)
         return owners
 
-    def _check_constraints(self) -> None:
-        """Refuse springs and constraints of the legs; those of other parts are ignored."""
-        model, parts = self._model, list[tuple[str, str, list[int]]]()
+    def _check_constraints(self) -> list[str]:
+        """Refuse springs and constraints of the legs; those of other parts, which are ignored."""
+        model, found = self._model, {True: list[str](), False: list[str]()}
+        parts: list[tuple[str, str, list[int]]] = []
         bound = model.tendon_limited | (model.tendon_damping != 0) | (model.tendon_frictionloss > 0)
         for text, kind, acts in (
             ("spring", "joint", model.jnt_stiffness),
@@ -170,9 +175,10 @@ class ModelTree:
         for text, kind, numbers in parts:
             owners = {self._owners[body] for k in numbers for body in self._bodies(kind, k)}
             names = " and ".join(getattr(model, kind)(k).name or f"{kind} {k}" for k in numbers)
-            expected = "legs without springs, coupled joints and closed loops"
-            apart = len(owners) < 2 or max(owners) < 0
-            require(apart, "robot.model", expected, f"{text} of {names}")
+            found[len(owners) > 1 and max(owners) >= 0].append(f"{text} of {names}")
+        expected = "legs without springs, coupled joints and closed loops"
+        require(not found[True], "robot.model", expected, ", ".join(found[True]))
+        return found[False]
 
     def _bodies(self, kind: str, index: int) -> list[int]:
         """Bodies that a body, site, joint or tendon holds together."""
@@ -253,17 +259,15 @@ class ModelTree:
         names = [name for name in self._joints if name not in others]
         return {name: motor_of(self._model, self._joints[name][side], speeds) for name in names}
 
-    def base(self) -> Body:
-        """The base and all that is welded to it, with the plane of symmetry at y = 0."""
+    def base(self) -> tuple[Body, float]:
+        """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
         if base.mass < LEAST_MASS:
-            return base
+            return base, 0.0
         most = max(_MAX_LATERAL, self._tolerance * self.reach)
         expected = f"a base whose centre has y = 0 within {most:.3g} m (roles.tolerance)"
         lateral = base.com[1]
         require(abs(lateral) <= most, "robot.model", expected, f"{lateral:.4f} m")
-        if abs(lateral) > 1e-3:
-            self.remarks.append(f"the base's centre at y = {lateral:.4f} m counts as 0")
         products = np.array([base.inertia[0, 1], base.inertia[1, 2]])
         skewed = relative(products, np.abs(base.inertia).max())
         most = max(_MAX_PRODUCTS, self._tolerance)
@@ -274,7 +278,28 @@ class ModelTree:
             text = f"the base's Ixy and Iyz, {skewed:.1%} of its largest moment, count as 0"
             self.remarks.append(text)
         symmetric = (base.inertia + base.reflected.inertia) / 2
-        return Body(base.mass, base.com * [1.0, 0.0, 1.0], symmetric)
+        return Body(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
+
+    def held(self) -> dict[str, float]:
+        """Joints without a role and the mass [kg] that each and those beyond it, as seen from the
+        base, carry.
+        """
+        model, parents, owners, result = self._model, self._model.body_parentid, self._owners, {}
+        holders: dict[int, str | None] = {self._base: None}
+        bodies = [self._base]
+        for near in bodies:  # outwards from the base, up and down the tree
+            beyond = {*np.flatnonzero(parents == near), parents[near]} - holders.keys() - {0}
+            for body in sorted(map(int, beyond)):
+                joints = set(self._joints_of(near if body == parents[near] else body))
+                held = [k for k in joints - self._roles if model.jnt_type[k] != _FREE]
+                holder = holders[near] if owners[body] == owners[near] else None
+                if held and holder is None:
+                    holder = model.joint(min(held)).name or f"a joint of {model.body(body).name}"
+                if holder is not None:
+                    result[holder] = result.get(holder, 0.0) + float(model.body_mass[body])
+                holders[body] = holder
+                bodies.append(body)
+        return result
 
     def _joint(self, name: str, side: int) -> tuple[dict[str, float], np.ndarray]:
         """Range and passive properties, of a left leg; unit vector along the axis (3,)."""
@@ -329,13 +354,18 @@ class ModelTree:
 
     def _joined(self, bodies: np.ndarray) -> Body:
         """Bodies as one, in the base's frame."""
-        model, data, parts = self._model, self._data, []
-        for body in bodies[model.body_mass[bodies] > 0.0]:
+        model, data = self._model, self._data
+        masses = model.body_mass[bodies]
+        mass = float(masses.sum())
+        places = (data.xipos[bodies] - self._origin) @ self._turn.T
+        com = masses @ places / mass if mass > 0.0 else np.zeros(3)
+        inertia = np.zeros((3, 3))
+        for body, place in zip(bodies, places - com, strict=True):
             turn = self._turn @ data.ximat[body].reshape(3, 3)
-            inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
-            place = self._turn @ (data.xipos[body] - self._origin)
-            parts.append(Body(float(model.body_mass[body]), place, inertia))
-        return joined(*parts) if parts else Body(0.0, np.zeros(3), np.zeros((3, 3)))
+            inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T
+            spread = (place @ place) * np.eye(3) - np.outer(place, place)
+            inertia += model.body_mass[body] * spread
+        return Body(mass, com, inertia)
 
 
 def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:

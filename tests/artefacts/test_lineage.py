@@ -1,14 +1,15 @@
-"""Why jobs must run."""
+"""Why jobs must run, and what two plans differ by."""
 
 import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from slider.artefacts.current import find_target
-from slider.artefacts.lineage import LOST, NEVER, pending
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.lineage import LOST, NEVER, differences, pending
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_paths, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -58,6 +59,12 @@ def run(store: Store, plan: Plan) -> Plan:
     return plan
 
 
+def lines(old: Plan, new: Plan, *stores: Store) -> list[str]:
+    sides = stores or (Store(Path("none")), Store(Path("none")))
+    causes = differences(old, new, "table1", (sides[0], sides[1]))
+    return [f"{jobs[0].stage} × {len(jobs)}: {cause}" for cause, jobs in causes.items()]
+
+
 def why(store: Store, plan: Plan) -> list[str]:
     lay_out(store, plan)
     jobs = pending(plan, "table1", store)
@@ -67,20 +74,43 @@ def why(store: Store, plan: Plan) -> list[str]:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"robot": ROBOT | {"mass": None}}, "robot.mass 14.0 → null"),
+        ({}, []),
+        (
+            {"robot": HEAVY, "trials": 3},
+            ["gait × 2: robot.mass 14.0 → 14.5", "table × 1: evaluation.trials 10 → 3"],
+        ),
+        ({"robot": ROBOT | {"mass": None}}, ["gait × 2: robot.mass 14.0 → null"]),
         (
             {"robot": dict(reversed(ROBOT.items()))},
-            'robot.order ["mass", "links"] → ["links", "mass"]',
+            ['gait × 2: robot.order ["mass", "links"] → ["links", "mass"]'],
         ),
         (
             {"cost": "another", "versions": VERSIONS | {"numpy": "2.1.0", "scipy": "1.0"}},
-            "source gait.cost changed; package numpy 2.0.0 → 2.1.0; package scipy none → 1.0",
+            [
+                "gait × 2: source gait.cost changed",
+                "gait × 2: package numpy 2.0.0 → 2.1.0",
+                "gait × 2: package scipy none → 1.0",
+            ],
+        ),
+        (
+            {"grid": (0.0, 0.1, 0.2)},
+            ["gait × 2: input gait added", "gait × 1: input gait removed"],
         ),
     ],
 )
-def test_causes_are_keys_as_people_set_them_modules_and_packages(store, change, expected):
-    run(store, plan_of())
-    assert why(store, plan_of(**change))[0] == f"gait 0.00 m/s: {expected}"
+def test_every_cause_is_named_once_with_the_jobs_that_it_acts_on(change, expected):
+    """Keys as people set them."""
+    assert lines(plan_of(), plan_of(**change)) == expected
+
+
+def test_other_bytes_of_one_recipe_are_followed_to_where_they_begin(store, tmp_path):
+    plan, other = run(store, plan_of()), Store(tmp_path / "other")
+    run(other, plan)
+    assert lines(plan, plan, store, other) == []
+    for job in plan.jobs.values():
+        if job.stage in ("gait", "library"):
+            compute(other, job, "of another processor")
+    assert lines(plan, plan, store, other) == ["gait × 2: other bytes of the same recipe"]
 
 
 def test_why_names_the_first_cause_and_then_the_inputs(store):
@@ -112,11 +142,18 @@ def test_an_unknown_target_has_a_suggestion():
         find_target("x", plan_of())
 
 
-def test_the_command(store, refused, capsys):
+def test_the_commands(store, refused, capsys):
     place = ["--artefacts", str(store.root)]
-    assert "`snakemake -n`" in refused("why", "table1", *place)
-    run(store, plan_of())
+    assert "run `snakemake -n`" in refused("why", "table1", *place)
+    first = run(store, plan_of())
+    assert "expected a plan 'previous'" in refused("diff", "previous", "latest", *place)
     lay_out(store, plan_of(trials=3))
-    assert main(["why", "table1", *place]) == 0
     text = "  table: evaluation.trials 10 → 3\n"
+    assert main(["why", "table1", *place]) == 0
     assert capsys.readouterr().out == f"table1: 1 to compute\n{text}"
+    assert main(["diff", "previous", "latest", *place]) == 1
+    assert capsys.readouterr().out == f"table1: 1 cause of a difference\n{text}"
+    lay_out(store, first)
+    path = plan_paths(store.root / "plans")[0]
+    assert main(["diff", path.stem[:12], str(store.root), *place]) == 0
+    assert capsys.readouterr().out == "table1: the same\n"

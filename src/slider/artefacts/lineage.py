@@ -1,10 +1,11 @@
-"""Why jobs must run: a walk over the jobs of a plan and of the one before."""
+"""Why jobs must run, and how two plans differ: a walk over the jobs of both."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from slider.artefacts.current import recent_plans
+from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 
@@ -14,6 +15,37 @@ _WIDTH = 40  # characters of a value
 _ABSENT = object()
 Leaf = tuple[tuple[str, ...], Any, Any]
 """Path of a value that differs, before, after."""
+
+
+def differences(
+    old: Plan, new: Plan, target: str, stores: tuple[Store, Store]
+) -> dict[str, list[JobSpec]]:
+    """Causes of the difference of a target in two plans, with the jobs that they act on directly.
+
+    Jobs of one recipe differ only where the ``stores`` of the plans hold other objects of it.
+    """
+    before, after = old.jobs_of(target), new.jobs_of(target)
+    partners, keys = _partners(before, after), _configuration_changes(old, new)
+    causes: dict[str, list[JobSpec]] = {}
+    differing: set[str] = set()
+    for recipe, job in after.items():
+        other = partners.get(recipe)
+        if other is None:
+            texts = [f"input {job.stage} added"]
+        elif other.recipe != recipe:
+            texts = _causes(other, job, keys)
+        else:
+            paths = (store.manifest_path(job.stage, job.recipe) for store in stores)
+            objects = {manifest.result.object for manifest in map(readable, paths) if manifest}
+            first = differing.isdisjoint(item.recipe for item in job.needs)
+            texts = ["other bytes of the same recipe"] if len(objects) == 2 and first else []
+            differing |= {recipe} if len(objects) == 2 else set()
+        for text in texts:
+            causes.setdefault(text, []).append(job)
+    for recipe in before.keys() - {job.recipe for job in partners.values()}:
+        job = before[recipe]
+        causes.setdefault(f"input {job.stage} removed", []).append(job)
+    return causes
 
 
 def _partners(old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]) -> dict[str, JobSpec]:

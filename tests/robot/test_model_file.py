@@ -458,11 +458,14 @@ def test_a_urdf_is_one_whatever_its_file_is_called(before, after, message, tmp_p
     ("before", "after", "remark", "mass"),
     [
         ('name="box"><inertial>.*?</inertial>', f'name="box">{BOX}', "no mass: box", -0.25),
+        ('(name="box".*?)ixx="', r'\1ixx="-', "inertia, so a point mass: box", 0.0),
         ('name="arm"><inertial>.*?</inertial>', 'name="arm">', "", -0.25),
         ('(name="arm".*?mass value=)"0.25"', r'\1"0"', "", -0.25),
     ],
 )
-def test_held_bodies_without_mass(before, after, remark, mass, tmp_path):
+def test_held_bodies_without_mass_or_with_an_impossible_inertia(
+    before, after, remark, mass, tmp_path
+):
     path = urdf(lopsided(), tmp_path)
     expected = read_model(path, NO_YAW).values["links"]["base"]["mass"] + mass
     substitute(path, before, after)

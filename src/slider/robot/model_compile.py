@@ -63,14 +63,14 @@ def _read(path: Path, content: bytes) -> mujoco.MjSpec:
 
 
 def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> list[str]:
-    """Delete what needs further files, or names what is deleted."""
+    """Delete what needs further files, or names what is deleted; mend bodies that are held."""
     geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
     led = {name for pair in roles.joints.values() for name in pair or ()}
     for part in [*spec.geoms, *spec.sites, *spec.tendons]:
         part.material = ""
-    bare = {}
+    bare, broken = {}, []
     for geom in list(spec.geoms):
         body = geom.parent
         shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
@@ -85,11 +85,35 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
             spec.delete(geom)
         elif shaped:
             geom.mass = 0.0
+    for body in spec.bodies[1:]:
+        weight = body.mass if body.explicitinertial else sum(g.mass != 0.0 for g in body.geoms)
+        moves = list(body.joints)
+        if moves and not weight:
+            body.mass, body.explicitinertial = 1e-9, True
+        elif led.isdisjoint(joint.name for joint in moves) and not _is_rigid(body):
+            broken.append(body.name)
+        else:
+            continue
+        body.fullinertia, body.inertia = [np.nan] * 6, [1e-12] * 3
     acts = [act for act in spec.actuators if act.target not in led or act.plugin.active]
     parts = [*spec.sensors, *acts, *spec.keys, *spec.pairs, *spec.excludes, *spec.skins]
     rest = [mesh for mesh in spec.meshes if mesh.name not in meshes]
     for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
-    spec.compiler.boundmass, spec.compiler.boundinertia = 1e-12, 1e-14  # of links that move
-    return [f"no inertial element, so no mass: {', '.join(bare)}"] if bare else []
+    causes = {
+        "no inertial element, so no mass": bare,
+        "impossible inertia, so a point mass": broken,
+    }
+    return [f"{cause}: {', '.join(names)}" for cause, names in causes.items() if names]
+
+
+def _is_rigid(body: mujoco.MjsBody) -> bool:
+    """Whether a body's typed moments are possible."""
+    moments, full = np.array(body.inertia), body.fullinertia
+    if not body.explicitinertial:
+        return True
+    if not np.isnan(full[0]):
+        (xx, yy, zz), (xy, xz, yz) = full[:3], full[3:]
+        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return moments.min() >= 0.0 and 2 * moments.max() <= moments.sum() * (1 + 1e-9) + 1e-12

@@ -77,7 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
             if change and arguments.check:
                 print(f"{page}: {block[2]}: {change}")
             if not arguments.check:
-                filled = filled.replace(block[0], _with_change(block[0], change))
+                sentence = f"\\1 Since then {change}." if change else "\\1"
+                filled = filled.replace(block[0], _ORIGIN.sub(sentence, block[0]))
         if filled != text:
             files.write_atomic(page, filled)
             print(f"{page} is filled")
@@ -118,11 +119,6 @@ def _todays_digests(*command: str) -> dict[str, dict[str, str]]:
         print(f"{shlex.join(command)}: {lines or done.stderr}", end="", file=sys.stderr)
         return {}
     return {target: plan.jobs[recipe].plan_digests for target, recipe in plan.targets.items()}
-
-
-def _with_change(block: str, change: str) -> str:
-    sentence = f" Since then {change}." if change else ""
-    return _ORIGIN.sub(lambda origin: origin[1] + sentence, block)
 
 
 def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:

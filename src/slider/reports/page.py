@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from matplotlib.figure import Figure
 
 from slider.config.control import POLICY
 from slider.core import tables
@@ -29,15 +28,12 @@ from slider.training.results import Training
 PAGE = "index.html"
 STATEMENTS = "statements.csv"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
+_NONE = "This run has none."
 _TRAININGS = {
     "standing": "Standing",
     "untuned": "Walking, before fine-tuning",
     "walking": "Walking",
 }
-_NO_VIDEOS = (
-    "No videos: `report.video` asks for none, or this machine renders neither with EGL nor with "
-    "OSMesa (on Debian `libegl1 libegl-mesa0` or `libosmesa6`)."
-)
 
 
 @dataclass(frozen=True)
@@ -49,12 +45,6 @@ class Page:
     out: Path
     job: Job
     files: dict[str, Path] = field(default_factory=dict)
-
-    def draw(self, name: str, figure: Callable[[], Figure]) -> str:
-        """Draw ``name``.svg beside the page, and show it."""
-        write_pictures(self.out / name, figure)
-        self.files[name] = self.out / f"{name}.svg"
-        return f"![{name}]({name})"
 
     def films(self) -> list[dict[str, Any]]:
         """What each video shows, with its name among the files and a caption."""
@@ -90,7 +80,7 @@ def _document(inputs: Inputs, place: str) -> tuple[str, dict[str, Path]]:
     """A report of an input; its pictures are beside it."""
     name, file = place.split("/")
     if name not in inputs:
-        return "This run has none.", {}
+        return _NONE, {}
     (folder,) = inputs[name]
     files = {f"{at}{path.name}": path for path in folder.iterdir() for at in ("", "figures/")}
     return (folder / file).read_text(encoding="utf-8"), files
@@ -108,7 +98,7 @@ def overview(page: Page) -> Iterator[str]:
 def videos(page: Page) -> Iterator[str | Table]:
     """A row of films per speed, one film per controller; then those on terrain."""
     films = sorted(page.films(), key=lambda about: (about["terrain"], about["speed"]))
-    yield "One robot per film, all from the same start at rest." if films else _NO_VIDEOS
+    yield "One robot per film, all from the same start at rest." if films else _NONE
     for (terrain, speed), mine in groupby(films, lambda film: (film["terrain"], film["speed"])):
         yield f"## {f'{terrain}, ' if terrain else ''}{speed_text(speed)} m/s"
         yield "\n".join(f"![{about['caption']}]({about['name']})" for about in mine)
@@ -123,8 +113,11 @@ def learning(page: Page) -> Iterator[str | Table]:
     for name, title in _TRAININGS.items():
         if name in page.inputs:  # there may be no pre-training, no fine-tuning
             training = Training.load(page.inputs[name][0])
+            picture = page.out / f"training_{name}.svg"
+            write_pictures(picture, partial(walking.draw_training, training))
+            page.files[picture.name] = picture
             yield f"## {title}"
-            yield page.draw(f"training_{name}", partial(walking.draw_training, training))
+            yield f"![{title}]({picture.name})"
             yield f"The policy of iteration {training.kept} was kept."
 
 

@@ -25,13 +25,6 @@ _STAGES = {  # in the order in which they run; others follow
     "evaluation": "evaluation of the policy",
     "baseline": "evaluation of the baselines",
     "table1": "table 1",
-    "speeds": "protocols of constant commands",
-    "segments": "protocols of changing commands",
-    "cases": "protocols of several cases",
-    "study": "studies",
-    "verification_gaits": "verification, per gait",
-    "verification": "verification, verdict",
-    "video": "videos",
 }
 
 

@@ -61,8 +61,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         caption += _PAPERS
     if POLICY in set(ours["controller"]):
         caption += _SEED
-    if "mpc_wbc_literal" not in set(ours["controller"]):
-        caption += _LITERAL
+    caption += _LITERAL
     rows = ours if robot != PAPER_ROBOT else pd.concat([ours, paper_rows()], ignore_index=True)
     compared = comparisons(rows)
     report.write(out / "table1", "Table 1", robot, rows[[*COLUMNS]], [caption, *compared])

@@ -13,9 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     actions = parser.add_subparsers(dest="action", required=True)
     show = actions.add_parser("show", help="grid, holes and their violated constraints, ranges")
-    show.add_argument(
-        "--library", type=Path, help="a library.zarr (default: that of the current configuration)"
-    )
+    show.add_argument("--library", type=Path, help="library.zarr (default: of the current plan)")
     add_store_argument(show)
 
 

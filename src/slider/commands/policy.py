@@ -22,9 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     export.add_argument("--out", type=Path, default=Path("policy"), help="folder (default: policy)")
     export.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     for action in (show, export):
-        action.add_argument(
-            "file", type=Path, nargs="?", help="policy.pt (default: of the current plan)"
-        )
+        action.add_argument("file", type=Path, nargs="?", help="default: of the current plan")
         add_store_argument(action)
 
 

@@ -51,12 +51,8 @@ _WALKING = (*_STEPS, *_LEGS, *_VARIANCES, "peak_effort", "peak_speed", "cost_of_
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("pages", type=Path, nargs="*", help="default: README.md and docs/")
-    parser.add_argument(
-        "--reports", type=Path, default=Path("reports"), help="folder (default: reports)"
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="fill nothing, list tables of another plan, status 1"
-    )
+    parser.add_argument("--reports", type=Path, default=Path("reports"), help="default: reports")
+    parser.add_argument("--check", action="store_true", help="list tables of another plan")
     add_store_argument(parser)
 
 

@@ -31,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action.add_argument("remote", help=remote)
         action.add_argument("targets", nargs="*", help="names such as report (default: table1)")
         action.add_argument("--all", action="store_true", help="all targets of the plan")
-    push.add_argument(
-        "--force", action="store_true", help="send also what is there, and replace it"
-    )
+    push.add_argument("--force", action="store_true", help="replace what is there")
 
 
 def run(arguments: argparse.Namespace) -> int:

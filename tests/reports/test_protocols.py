@@ -90,19 +90,15 @@ def cases(tmp_path_factory):
     return report_cases(tmp_path_factory.mktemp("cases"), [True] * COUNT)
 
 
-def test_one_row_per_case(cases):
+def test_each_case_has_a_row_its_fastest_robot_and_the_share_that_stands(cases):
     summary, rows, _ = cases
     found = rows[["case", "seconds", "vx_before", "vy_command"]].fillna("").to_numpy().tolist()
     assert found == [[STOP.name, 10, 0.4, 0], [SIDE.name, 10, "", 0.1]]
     assert summary == {"rows": 2, "success_rate": {"policy": 1.0}}
-
-
-def test_the_fastest_robot_is_a_maximum_and_standing_a_share(cases):
-    stop, side = cases[1].to_dict("records")
+    stop, side = rows.to_dict("records")
     assert stop["fastest"] == pytest.approx(0.2, abs=0.03)  # robot 2, not the mean
-    assert stop["standing_rate"] == 0.75
-    ends = stop["standing_low"], stop["standing_high"]
-    assert ends == pytest.approx(wilson(3, 4), rel=1e-5)
+    standing = [stop[f"standing_{end}"] for end in ("rate", "low", "high")]
+    assert standing == pytest.approx([0.75, *wilson(3, 4)], rel=1e-5)
     moved = np.array([0.0, 0.05, 0.2, 0.02 * 2**0.5]) * 3.0  # 7 to 10 s; the sway cancels
     assert stop["drift"] == pytest.approx(moved.mean(), abs=0.02)
     assert stop["drift_max"] == pytest.approx(moved.max(), abs=0.02)
@@ -126,9 +122,7 @@ def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path)
     assert rows["fastest"][0] < 0.1
     assert summary["success_rate"] == {"policy": 0.5}
     _, rows, out = report_cases(tmp_path / "all", [False] * COUNT)
-    assert (rows["success_rate"] == 0).all()
     assert rows[[*protocols.MEANS, "fastest"]].isna().all(axis=None)
-    assert rows["standing_rate"][0] == 0
     assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in (out / "heldout.md").read_text()
 
 
@@ -162,9 +156,8 @@ def test_speeds(tmp_path):
 
 
 def test_the_highest_tracked_speed():
-    shares = {0.2: 1.0, 2.2: 0.9, 3.0: 0.89}
-    rows = [{"controller": "p", "speed": v, "tracking_rate": share} for v, share in shares.items()]
-    assert protocols.highest_tracked(pd.DataFrame(rows)) == {"p": 2.2}
+    shares = {"controller": "p", "speed": [0.2, 2.2, 3.0], "tracking_rate": [1.0, 0.9, 0.89]}
+    assert protocols.highest_tracked(pd.DataFrame(shares)) == {"p": 2.2}
 
 
 TRACE = np.array([[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]], dtype=np.float32)

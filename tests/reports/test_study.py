@@ -48,27 +48,21 @@ def write_checks(folder: Path, success: list[float]) -> Path:
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory) -> dict[str, list[Path]]:
+def out(tmp_path_factory) -> Path:
     """Errors of run i are 0.1 (i + 1) m²/s²; on the last run at 0.8 m/s all robots fall."""
-    folder = tmp_path_factory.mktemp("ablation")
-    evaluations = []
+    folder, out, evaluations = (*map(tmp_path_factory.mktemp, ("ablation", "out")), [])
     for index, _ in enumerate(RUNS):
         for speed in SPEEDS:
             alive = [[0, 0]] if (index, speed) == (3, 0.8) else [[1, 1]]
             errors = make_robots(alive, [[1.0 + index, 1.0 + index]])
             evaluations.append(write_evaluation(folder / f"e{len(evaluations)}", speed, errors))
-    return {
+    inputs = {
         "walking": [write_checks(folder / f"w{i}", checks) for i, checks in enumerate(CHECKS)],
         "evaluations": evaluations,
         "library": [write_store(folder / "gaits", [(0.0, 0.0), (1.0, 0.0)]).parent],
     }
-
-
-@pytest.fixture(scope="module")
-def out(inputs, tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("out")
-    run(TRAINED, inputs, folder, Job(folder))
-    return folder
+    run(TRAINED, inputs, out, Job(out))
+    return out
 
 
 def at(path: Path, variant: str, metric: str, speed: float = 0.2) -> pd.Series:

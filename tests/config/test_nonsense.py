@@ -57,7 +57,6 @@ MISFITS = [
     ("train.standing.network.activation=tanh", "network.activation: expected elu"),
     ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
     ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
-    ("train.walking.disturbance.delay.upper=0.025", "a multiple of 0.01 with train.walking.subs"),
     ("control.mpc_wbc_tuned.substeps=2", "(4) for a control rate of at least 200 Hz, found"),
     ("control.mpc_wbc_observer.observer.delay=0.012", "delay: expected a multiple of 0.005"),
     ("control.hzd.family=x", "control.hzd.family: expected 'mpc' or 'hzd', found \"x\""),

@@ -184,13 +184,6 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, start):
     assert run.iterations[0] == (0 if start == "anew" else 1)
 
 
-def test_trains_on_coarser_physics_than_it_is_checked_on(tmp_path):
-    trainer = Trainer(task(substeps=2), job(tmp_path))
-    models = (trainer.env.physics.model, trainer.selector._physics.model)
-    assert [model.opt.timestep for model in models] == [0.01, 0.005]
-    assert [model.geom_solref[:, 0].min() for model in models] == [0.02, 0.01]
-
-
 def test_another_seed_trains_another_policy(tmp_path):
     one, two = (trained(tmp_path / str(k), iterations=1, seed=k).trainer for k in (1, 2))
     assert not same(actor(one), actor(two))

@@ -3,7 +3,7 @@
 See ``docs/how-to/disturb.md``.
 """
 
-from dataclasses import field, replace
+from dataclasses import field
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -41,13 +41,6 @@ class PhysicsConfig(t.Group):
         settling, least = self.contact.time_constant, 2 * self.timestep
         expected = f"two timesteps ({least} s) or more, as MuJoCo needs"
         t.require(settling > least - 1e-9, "contact.time_constant", expected, settling)
-
-    def with_substeps(self, substeps: int) -> "PhysicsConfig":
-        """The same control step in so many simulation steps, feet as soft as these need."""
-        timestep = self.timestep * self.substeps / substeps
-        settling = max(self.contact.time_constant, 2 * timestep)
-        contact = replace(self.contact, time_constant=settling)
-        return replace(self, timestep=timestep, substeps=substeps, contact=contact)
 
 
 class ActionConfig(t.Group):

@@ -147,8 +147,6 @@ class TrainConfig(t.Group):
     """of physics and networks; auto: cuda where there is one, found when jobs are laid out"""
     robots: t.Count
     """robots simulated at once"""
-    substeps: Annotated[t.Count, Field(le=1000)]
-    """simulation steps per control step; checks of the policy have those of env.physics"""
     steps_per_iteration: Annotated[t.Count, Field(le=100_000)]
     """control steps of each robot between updates"""
     episode_length: t.Positive[t.Seconds]

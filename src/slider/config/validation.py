@@ -1,6 +1,5 @@
 """Rules between groups of values; types have those within one. Stages get checked values."""
 
-from dataclasses import asdict
 from itertools import pairwise
 
 from slider.config.control import ONBOARD, POLICY, RESERVED
@@ -39,11 +38,6 @@ def _simulations(config: Config) -> None:
             own, found = (getattr(item.network, name) for item in (walking, train))
             expected = f"{own}, as train.walking.network has it"
             require(found == own, f"{key}.network.{name}", expected, found)
-        step = period / train.substeps
-        for name, delay in asdict(train.disturbance.delay).items():
-            possible = abs(delay / step - round(delay / step)) < 1e-6
-            expected = f"a multiple of {step:g} with {key}.substeps={train.substeps}"
-            require(possible, f"{key}.disturbance.delay.{name}", expected, delay)
         length, check = train.episode_length, train.selection
         require(length >= period, f"{key}.episode_length", f"a value ≥ {period}", length)
         latest, expected = check.duration - period, f"a time in [0, {check.duration - period:g}] s"

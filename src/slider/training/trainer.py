@@ -108,9 +108,7 @@ class Trainer:
         train, job = self._task.train, self._job
         seed = _noise_seed(train.seed, self._iteration)
         torch.manual_seed(seed)
-        physics = self._task.env.physics.with_substeps(train.substeps)
-        env = replace(self._task.env, physics=physics)
-        own = replace(self._task, env=env, train=replace(train, seed=seed))
+        own = replace(self._task, train=replace(train, seed=seed))
         self.env = WalkingEnv(own, job.threads, self._simulate)
         config = runner_config(train, job.log_metrics, self._curve)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=train.device)

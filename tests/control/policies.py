@@ -1,7 +1,5 @@
 """Small policies with random weights, as files."""
 
-from collections.abc import Collection
-from dataclasses import replace
 from pathlib import Path
 
 import torch
@@ -10,22 +8,16 @@ from slider.control import POLICY_FILE
 from slider.control.export import write_files
 from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.env.interface import AgentInterface
-from slider.env.observations import TERMS
 from tests import shared
 from tests.env.synthetic import config, gait_table
 
 HIDDEN = (24, 16)
 
 
-def make_policy(*overrides: str, only: Collection[str] = TERMS) -> Policy:
-    """Untrained, with small actions, so that the robot moves and does not fall at once.
-
-    ``only`` are the observations that it may have.
-    """
+def make_policy(*overrides: str) -> Policy:
+    """Untrained, with small actions, so that the robot moves and does not fall at once."""
     whole = config("experiment=test", *overrides)
-    observation = whole.env.observation
-    terms = {name: scale for name, scale in observation.terms.items() if name in only}
-    env = replace(whole.env, observation=replace(observation, terms=terms))
+    env = whole.env
     times = gait_table().times if env.phase.enabled else None
     reference = gait_table().joints if env.action.offset == "gait" else None
     layout = AgentInterface(whole.robot, env, 1, times, reference).observer.layout
@@ -38,8 +30,8 @@ def make_policy(*overrides: str, only: Collection[str] = TERMS) -> Policy:
     return Policy(network.eval(), HIDDEN, "elu", layout, times, whole.robot, env, facts, reference)
 
 
-def write_policy(path: Path, *overrides: str, only: Collection[str] = TERMS) -> Policy:
-    policy = make_policy(*overrides, only=only)
+def write_policy(path: Path, *overrides: str) -> Policy:
+    policy = make_policy(*overrides)
     save_policy(policy, path)
     return policy
 

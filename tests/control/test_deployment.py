@@ -14,12 +14,11 @@ from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
-from slider.library.lookup import GaitTable
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.transmission import Transmission
 from tests.control import policies
 from tests.control.policies import make_policy
-from tests.env.synthetic import config, make_arrays, turning_library
+from tests.env.synthetic import TURNING, config, gait_table, make_arrays
 from tests.env.test_estimator import LEGS
 
 VELOCITY = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
@@ -61,8 +60,7 @@ def both(policy: Policy, path, count: int) -> Both:
 def test_the_graph_acts_like_the_policy(tmp_path, monkeypatch, overrides, turning):
     """Robots that start and stop, in closed loop."""
     if turning:
-        table = GaitTable.from_library(turning_library())
-        monkeypatch.setattr(policies, "gait_table", lambda: table)
+        monkeypatch.setattr(policies, "gait_table", lambda: gait_table(*TURNING))
     policy = make_policy(*overrides)
     controllers = both(policy, tmp_path / "policy.onnx", COUNT)
     physics = BatchedPhysics(policy.robot, policy.env.physics, COUNT)

@@ -44,6 +44,7 @@ from tests.config.composed import composed
 PERMUTATION = np.array(MIRROR_PERMUTATION)
 SAMPLES = 42
 STEP_TIME = 0.4
+TURNING = (-0.3, 0.0, 0.3)  # yaw rates of a library that turns [rad/s]
 
 
 @cache
@@ -103,14 +104,9 @@ def library(*yaw_rates: float) -> GaitLibrary:
     return GaitLibrary(arrays, {})
 
 
-def turning_library() -> GaitLibrary:
-    """The same velocities with three yaw rates each."""
-    return library(-0.3, 0.0, 0.3)
-
-
 @cache
-def gait_table() -> GaitTable:
-    return GaitTable.from_library(library())
+def gait_table(*yaw_rates: float) -> GaitTable:
+    return GaitTable.from_library(library(*yaw_rates))
 
 
 def step_time(vx: Any) -> Any:
@@ -147,8 +143,9 @@ def _gait(vx: float, vy: float, yaw_rate: float) -> tuple[np.ndarray, np.ndarray
     return samples, base
 
 
-def make_guide(gait: str = "interpolated") -> Guide:
-    return Guide(library(), gait_table(), robot_config().geometry, gait)
+def make_guide(gait: str = "interpolated", *yaw_rates: float) -> Guide:
+    geometry = robot_config().geometry
+    return Guide(library(*yaw_rates), gait_table(*yaw_rates), geometry, gait)
 
 
 def make_physics(count: int, **settings: float) -> BatchedPhysics:

@@ -112,6 +112,7 @@ def test_resetting_one_robot_leaves_the_others():
     for values, value in zip(kept, before, strict=True):
         np.testing.assert_array_equal(values[0], value)
     assert agent.clock.phase[1] == 0.4
+    assert not agent.action[1].any()
     for values in (agent.filtered_velocity, agent.expected_velocity):
         np.testing.assert_array_equal(values[1], [0.3, 0.1])
     assert agent.heading_target[1] == pytest.approx(0.7)

@@ -8,14 +8,14 @@ import torch
 from scipy.linalg import solve_continuous_are
 
 from slider.config.train import RewardConfig, RewardTerm
-from slider.env.guide import Guide, observed_channels
+from slider.env.guide import observed_channels
 from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import RobotState, View
-from slider.library.lookup import GaitTable
 from tests.env.synthetic import (
     CHANNELS,
     JOINTS,
     MOTORS,
+    TURNING,
     config,
     gait_table,
     library,
@@ -23,8 +23,6 @@ from tests.env.synthetic import (
     make_state,
     make_view,
     random_view,
-    robot_config,
-    turning_library,
 )
 
 HEIGHT = 0.685
@@ -116,6 +114,18 @@ def test_by_hand(name):
     found = value(name, make_view(make_state(1, **state), **view), **params)
     assert found.shape == (1,)
     assert found[0] == pytest.approx(expected, rel=1e-9)
+
+
+COSTS = {"action_rate", "roll_pitch_rate", "effort", "foot_slip", "soft_landing", "airborne"}
+COSTS |= {"feet_close"}
+
+
+@pytest.mark.parametrize("training", ["standing", "walking"])
+def test_default_weights_have_the_sign_of_their_term_and_a_fall_never_pays(training):
+    reward = getattr(config().train, training).reward
+    known = {*reward.active} & {*HAND, *BELOW}
+    assert {name for name in known if reward.terms[name].weight < 0} == known & COSTS
+    assert reward.on_fall < 0.0 <= reward.floor
 
 
 def test_standing_still_counts_only_at_zero_command():
@@ -253,9 +263,7 @@ def brute_force(view: View, keep: np.ndarray, gait: str = "nearest") -> np.ndarr
 
 def test_gaits_that_turn_need_the_hip_yaws_of_what_they_lack_only():
     """In the middle of the grid nothing; beyond its border what is missing there."""
-    library = turning_library()
-    table, flat = GaitTable.from_library(library), make_guide()
-    guide = Guide(library, table, robot_config().geometry)
+    guide, flat = make_guide("interpolated", *TURNING), make_guide()
     command = np.tile([0.2, 0.05, 0.0, 0.0], (4, 1))
     command[:, 2] = [0.2, -0.3, 0.5, 0.0]
     phase = np.array([0.1, 0.3, 0.6, 0.9])

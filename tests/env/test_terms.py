@@ -23,7 +23,7 @@ from slider.env.terms import check_clock, checked, uses_library
 from tests.config.composed import CONF
 from tests.control.policies import make_policy
 from tests.env.synthetic import config, make_guide, make_state, make_view, random_view
-from tests.env.test_vec_env import NUM_ENVS, actions, build
+from tests.env.test_vec_env import actions, build
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
 
@@ -57,20 +57,18 @@ def documented():
 def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(documented):
     ((name, term),) = documented[rewards].items()
     ((seen, scale),) = documented[observations].items()
-    text = f"{{weight: {term['weight']}, params: {{limit: {term['params']['limit']}}}}}"
-    overrides = [
+    text = str(term).replace("'", "")
+    overrides = (
         f"++train.walking.reward.terms.{name}={text}",
         f"++env.observation.terms.{seen}={scale}",
-    ]
-    whole = config("experiment=test", "env.phase.mirror=true", *overrides)
-    checked(whole)
-    env = build(whole)
-    generator = torch.Generator().manual_seed(0)
+    )
+    whole = checked(config("experiment=test", "env.phase.mirror=true", *overrides))
+    env, generator = build(whole), torch.Generator().manual_seed(0)
     logged, loaded = [], 0
     rows = describe(make_policy(*overrides), {}, {})["observation"]
-    (row,) = [each for each in rows if each["name"] == "foot_forces"]
-    assert (row["width"], row["scale"], row["units"]) == (2, 0.005, ["N", "N"])
-    assert row["components"] == ["left", "right"]
+    row = rows[-1]
+    assert (row["name"], row["width"], row["scale"]) == ("foot_forces", 2, 0.005)
+    assert (row["units"], row["components"]) == (["N", "N"], ["left", "right"])
     for _ in range(40):
         found, _, _, extras = env.step(actions(True, generator))
         logged.append(extras["log"]["/reward/knock"])
@@ -78,9 +76,7 @@ def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(do
         seen = found["policy"][:, row["start"] :][:, :2].numpy()  # right stance is reflected
         np.testing.assert_allclose(np.sort(seen), np.sort(forces), rtol=1e-6)
         loaded += (seen > 0).sum()
-    robots = np.array(logged) / (-0.1 / NUM_ENVS)  # that knock
-    np.testing.assert_allclose(robots, np.round(robots), atol=1e-9)
-    assert 0 <= robots.min() < robots.max() <= NUM_ENVS
+    assert -0.1 <= min(logged) < max(logged) == 0.0
     assert loaded > 0
 
 

@@ -14,15 +14,8 @@ from slider.config.types import Interval
 from slider.env.guide import Guide
 from slider.env.interface import FLOAT64
 from slider.env.vec_env import Random, Task, VelocitySampler, WalkingEnv, task_of
-from slider.library.lookup import GaitTable
 from slider.library.reader import STORE
-from tests.env.synthetic import (
-    config,
-    gait_table,
-    make_guide,
-    robot_config,
-    turning_library,
-)
+from tests.env.synthetic import TURNING, config, gait_table, make_guide
 from tests.library.gaits import straight
 
 EXPERIMENTS = ("default", "turning", "robust", "outdoor", "paper", "paper_alive")
@@ -94,20 +87,6 @@ def test_episodes_end_at_their_length():
         ended.append(done.numpy())
     when = np.argwhere(np.array(ended)).tolist()
     assert when == [[0, 5], [5, 3], [5, 4], [9, 0], [9, 1], [9, 2]]
-
-
-def test_observations_after_an_end_are_those_of_the_new_episode():
-    whole = config("experiment=test", "env/observation=paper")
-    env = build(whole, replace(whole.train.walking, episode_length=0.1))
-    sizes = [*env.agent.observer.layout.values()]
-    columns = dict(zip(env.agent.observer.layout, range(len(sizes)), strict=True))
-    generator = torch.Generator().manual_seed(3)
-    for _ in range(5):
-        observations, _, done, _ = env.step(actions(True, generator))
-    assert done.all()
-    parts = observations["policy"].split(sizes, dim=1)
-    assert not parts[columns["previous_action"]].any()
-    assert (parts[columns["height_scan"]] > 0.5).all(), "a new episode stands upright"
 
 
 def test_a_blow_up_ends_the_episode_and_is_counted():
@@ -185,8 +164,7 @@ def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others(
 
 def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     """The heading target is the course of the walk at the phase of the start."""
-    library = turning_library()
-    guide = Guide(library, GaitTable.from_library(library), robot_config().geometry)
+    guide = make_guide("interpolated", *TURNING)
     whole = config("experiment=test", "env.start.tilt=0")
     env = starting(whole, 1.0, guide, yaw_rate=Interval(-0.5, 0.5))
     command, yaw = env.agent.command, env.physics.read().yaw

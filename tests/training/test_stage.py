@@ -1,5 +1,7 @@
 """The stages train with what they are given: library, standing policy, both or neither."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
+from slider.training import trainer
 from slider.training.trainer import run_walking
 from tests.env.synthetic import config
 from tests.library.gaits import straight
@@ -64,6 +67,12 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(tmp_path):
     weights = {n: load_policy(f / POLICY_FILE).network.state_dict() for n, f in folders.items()}
     assert same(weights["walking"], weights["same"])
     assert not same(weights["walking"], weights["tuned"])
+
+
+def test_a_training_runs_in_its_simulator(tmp_path, monkeypatch):
+    monkeypatch.setattr(trainer, "simulator", lambda _: Mock(side_effect=KeyError))
+    with pytest.raises(KeyError):
+        run_walking(section(*ALONE), {}, tmp_path, Job(tmp_path))
 
 
 def test_a_guide_without_a_library_is_refused(tmp_path):

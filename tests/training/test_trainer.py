@@ -24,6 +24,7 @@ from slider.training.trainer import (
     WEIGHTS,
     Trainer,
     read_checkpoint,
+    simulator,
     write_checkpoint,
 )
 from tests.env.synthetic import config, gait_table, make_guide
@@ -46,6 +47,7 @@ ROUGH = ("train/walking/disturbance=robust", "train.walking.sensing=onboard")
 KINDS = {
     "walking": ("train.walking", ROUGH),
     "terrain": ("finetuning", ("finetuning=outdoor",)),
+    "warp": ("train.walking", (ROUGH[0], "train.walking.simulator=mujoco_warp")),
 }
 STEPS = 8  # of an iteration of theirs
 SHORT = "{0}.iterations=5 {0}.selection.interval=2 {0}.episode_length=0.4 {0}.robots=8"
@@ -127,7 +129,10 @@ def files(trainer: Trainer) -> dict[str, bytes]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_killed_training_gives_the_bytes_of_an_undisturbed_one(tmp_path, monkeypatch, kind):
     """Killed in each of its chunks; each time another number of threads goes on."""
-    whole = Trainer(of_kind(kind), job(tmp_path / "whole"))
+    if kind == "warp":
+        pytest.importorskip("mujoco_warp", reason="no extra gpu")
+    simulate = simulator(of_kind(kind).train)
+    whole = Trainer(of_kind(kind), job(tmp_path / "whole"), simulate)
     whole.run()
     real, left = WalkingEnv.step, 0
 
@@ -142,9 +147,9 @@ def test_a_killed_training_gives_the_bytes_of_an_undisturbed_one(tmp_path, monke
     for threads, moment in ((1, 5), (2, 2 * STEPS + 3), (1, 2 * STEPS + 3)):
         left = moment
         with pytest.raises(KeyboardInterrupt):
-            Trainer(of_kind(kind), job(tmp_path / "killed", threads)).run()
+            Trainer(of_kind(kind), job(tmp_path / "killed", threads), simulate).run()
     made = job(tmp_path / "killed", 2)
-    last = Run(Trainer(of_kind(kind), made), made)
+    last = Run(Trainer(of_kind(kind), made, simulate), made)
     last.trainer.run()
     assert last.iterations == [4]
     assert files(last.trainer) == files(whole)

@@ -48,10 +48,6 @@ def gaits(tmp_path_factory) -> GaitLibrary:
     return library(tmp_path_factory.mktemp("numbers"), [(0.0, 0.0), (1.0, 0.0)])
 
 
-def test_outside_it_is_the_gait_of_the_border(gaits):
-    assert blend(gaits, 9.0, 0.0).velocity.tolist() == [1.0, 0.0, 0.0]
-
-
 def test_a_longer_step_counts_more_and_each_step_has_a_touchdown(gaits):
     """Speeds 1 and 2 for 0.3 s and 0.1 s: mean 1.25, variance 0.75 · 0.25² + 0.25 · 0.75²."""
     samples = gaits.arrays["samples"].copy()

@@ -18,12 +18,8 @@ def near_a_gait() -> np.ndarray:
     return x + 0.05 * rng.normal(size=x.size)
 
 
-def dense(value: ca.DM) -> np.ndarray:
-    return np.array(ca.densify(value))
-
-
 def flat(value: ca.DM) -> np.ndarray:
-    return dense(value).ravel()
+    return value.full().ravel()
 
 
 def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
@@ -32,9 +28,8 @@ def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("turning", [False, True])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_gradient_jacobian_and_hessian_along_random_directions(seed, turning):
-    rng = np.random.default_rng(seed)
+def test_gradient_jacobian_and_hessian_along_a_random_direction(turning):
+    rng = np.random.default_rng(0)
     nlp = Nlp(problem(turning))
     x, velocity = near_a_gait(), np.array([0.5, -0.05, 0.3])
     direction = rng.normal(size=x.size)
@@ -53,6 +48,6 @@ def test_gradient_jacobian_and_hessian_along_random_directions(seed, turning):
     assert flat(nlp.gradient(x, velocity)[1]) @ direction == pytest.approx(cost, rel=1e-6, abs=1e-8)
     rows = along(lambda z: flat(nlp.objective_and_rows(z, velocity)[1]))
     assert_close(flat(nlp.jacobian(x, velocity)[1] @ ca.DM(direction)), rows)
-    upper = dense(nlp.hessian(x, velocity, factor, multipliers))
+    upper = nlp.hessian(x, velocity, factor, multipliers).full()
     hessian = upper + np.triu(upper, 1).T
     assert_close(hessian @ direction, along(lagrangian_gradient))

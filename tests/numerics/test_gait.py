@@ -6,12 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.gait.solve import Nlp
 from slider.gait.stage import gait_arrays
 from slider.robot.kinematics import rotation_from_quaternion, yaw_of
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.gait.gaits import config, problem, solved
-from tests.numerics.test_derivatives import flat
 
 Velocity = tuple[float, float, float]
 STRAIGHT: Velocity = (0.6, 0.05, 0.0)
@@ -58,22 +56,6 @@ def test_the_prismatic_robot_stands_where_the_gait_says(velocity, k):
     np.testing.assert_allclose(data.sensor(f"{stance}_sole_velocity").data, 0.0, atol=1e-7)
     line = data.site(f"{stance}_sole").xmat.reshape(3, 3)[:, 0]
     np.testing.assert_allclose(line, axes[:, 0], atol=1e-7)
-
-
-def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_one():
-    """To the last bit; the mean velocity is the base's then, and the feet's here."""
-    x = solved(*STRAIGHT).variables
-    for away in (0.0, 0.05):
-        y = x + away * np.random.default_rng(0).normal(size=x.size)
-        straight, turning = (
-            flat(Nlp(problem(turning)).objective_and_rows(y, [*STRAIGHT])[1])
-            for turning in (False, True)
-        )
-        mean = next(b.rows for b in problem().blocks if b.name == "mean_velocity")
-        others = np.delete(np.arange(len(straight)), mean)
-        np.testing.assert_array_equal(turning[others], straight[others])
-        if not away:
-            np.testing.assert_allclose(turning[mean], straight[mean], atol=1e-6)
 
 
 def test_the_heading_swings_about_the_course_within_its_bound():

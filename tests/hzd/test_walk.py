@@ -1,9 +1,8 @@
-"""Return maps whose derivatives are known: linear maps of known rank, and parabolas."""
+"""Cycles and derivatives that are known: linear maps, and parabolas."""
 
 import numpy as np
-import pytest
 
-from slider.hzd.walk import chain, differences, limit_cycles, multipliers, restrict
+from slider.hzd.walk import chain, differences, limit_cycles
 
 
 def test_a_cycle_of_linear_maps_is_found_for_each_system():
@@ -55,23 +54,3 @@ def test_derivatives_along_directions_are_products_with_them():
     np.testing.assert_allclose(values, mapped(points, np.arange(2)), rtol=1e-12)
     expected = 50.0 * (slope + 2 * points[:, None]) @ directions
     np.testing.assert_allclose(found, expected, rtol=1e-9)
-
-
-@pytest.mark.parametrize("period", [1, 2])
-def test_the_restriction_has_the_multipliers_that_are_not_zero(period):
-    """Maps H F of rank 2 in five dimensions, and tangents that are not their image."""
-    rng = np.random.default_rng(period)
-    futures = rng.standard_normal((period, 2, 5))
-    derivatives = rng.standard_normal((period, 5, 2)) @ futures
-    tangents = rng.standard_normal((period, 5, 2))
-    now = futures @ tangents
-    found = restrict(now, np.roll(futures, -1, axis=0) @ derivatives @ tangents)
-    np.testing.assert_allclose(
-        np.sort(np.abs(np.linalg.eigvals(chain(found)))),
-        np.sort(np.abs(multipliers(derivatives)[:2])),
-        rtol=1e-9,
-    )
-    projection = np.linalg.solve(now, futures)
-    state, onward = rng.standard_normal(5), np.roll(projection, -1, axis=0)
-    for z, after, a, whole in zip(projection, onward, found, derivatives, strict=True):
-        np.testing.assert_allclose(after @ (whole @ state), a @ (z @ state), rtol=1e-9)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from slider.library import measures
@@ -28,7 +27,7 @@ def draw_map(axes: Axes, library: GaitLibrary, title: str, values: np.ndarray, u
     x, y, _ = library.velocities.T
     cells = np.ma.masked_all((len(vy), len(vx)))
     cells[np.searchsorted(vy, y), np.searchsorted(vx, x)] = values
-    look = {"cmap": COLOURS, "norm": _norm(values), "edgecolor": "white", "linewidth": 0.4}
+    look = {"cmap": COLOURS, "edgecolor": "white", "linewidth": 0.4}
     mesh = axes.pcolormesh(_edges(vx), _edges(vy), cells, **look)
     axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
     axes.grid(visible=False)
@@ -64,9 +63,3 @@ def _edges(axis: np.ndarray) -> np.ndarray:
     """Of cells about sorted values (N,): half way between neighbours (N + 1,)."""
     half = np.diff(axis, append=axis[-1:] + (np.ptp(axis[-2:]) or 0.05)) / 2
     return np.concatenate([axis[:1] - half[:1], axis + half])
-
-
-def _norm(values: np.ndarray) -> Normalize:
-    low, high = float(values.min()), float(values.max())
-    margin = 0.01 * abs(low) if np.isclose(low, high) else 0.0  # else only rounding shows
-    return Normalize(low - margin, high + margin)

@@ -56,10 +56,10 @@ onstart:
 
 onsuccess:
     PIPELINE.finish(succeeded=True)
-    CONSOLE.close(succeeded=True)
+    CONSOLE.close()
 
 
 onerror:
     cancel_rest(workflow)
     PIPELINE.finish(succeeded=False)
-    CONSOLE.close(succeeded=False)
+    CONSOLE.close()

@@ -27,13 +27,11 @@ _EVENTS = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS)
 _OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # of a dry run they are the answer
 _TEXTS = (
     *("Select jobs to execute...", "Execute ", "Assuming unrestricted", "Building DAG"),
-    "Using shell",
+    *("Using shell", "Elapsed time"),
     # Slurm's default account is one, too.
     *("No SLURM account given", "No account was given", "Unable to guess SLURM account"),
 )
-_AT_THE_END = ("Complete log", "Elapsed time")
 _TAIL = 5  # lines of the log of a job that could not speak for itself
-_SPOKE = re.compile(r"^(Traceback \(most recent call last\)|slider: )", re.MULTILINE)
 # What Snakemake says about a job of ours that failed: the whole command, and how it ended.
 _ENDED = re.compile(
     r"Command '.* run --plan \S+ (?P<recipe>[0-9a-f]{64})\b.*' "
@@ -52,7 +50,6 @@ class Console:
     workflow: Any
     progress: Progress | None = None
     tracking: Tracking | None = None
-    succeeded: bool = False
 
     def __post_init__(self) -> None:
         self._recipes: dict[int, str] = {}
@@ -72,12 +69,11 @@ class Console:
                 self.progress = Progress(plan, store, self._recipes.values(), cores)
                 self.progress.open()
 
-    def close(self, succeeded: bool) -> None:
+    def close(self) -> None:
         """End the lines about running jobs."""
-        self.succeeded = succeeded
         with self._guarded():
             if self.progress is not None:
-                self.progress.close(succeeded)
+                self.progress.close()
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
@@ -102,10 +98,8 @@ class Console:
                 for follower in filter(None, (self.tracking, self.progress)):
                     if event == LogEvent.JOB_STARTED:
                         follower.began(recipe)
-                    elif event == LogEvent.JOB_FINISHED:
-                        follower.ended(recipe)
-                    elif event == LogEvent.JOB_ERROR:
-                        follower.failed(recipe)
+                    elif event in (LogEvent.JOB_FINISHED, LogEvent.JOB_ERROR):
+                        follower.ended(recipe, event == LogEvent.JOB_FINISHED)
         if event in _EVENTS:
             return False
         if event in _OF_A_RUN:
@@ -114,8 +108,7 @@ class Console:
             with self._guarded():
                 self._show_end(**ended.groupdict())
             return False
-        end = _AT_THE_END if self.succeeded else ()
-        return not record.getMessage().startswith((*_TEXTS, *end))
+        return not record.getMessage().startswith(_TEXTS)
 
     def _show_end(self, recipe: str, name: str | None, status: str | None) -> None:
         """Write which signal ended a job; one that ended by itself has written why."""
@@ -133,9 +126,6 @@ def _explain(event: LogEvent | None, record: dict[str, Any], remote: bool) -> No
     if event == LogEvent.JOB_ERROR and remote and not record["indent"]:  # else of a group
         own, others = record["log"][:1], record["log"][1:]
         _show_failure(record, [record | {"log": own}], others)
-    elif event == LogEvent.JOB_ERROR and not remote:
-        for log in map(Path, record["log"]):
-            _show_log(log, unless=_SPOKE)  # a killed job: Snakemake keeps quiet about it
 
 
 def _show_failure(
@@ -154,12 +144,11 @@ def _show_failure(
         _show_log(log)
 
 
-def _show_log(log: Path, unless: re.Pattern[str] | None = None) -> None:
-    """Show the place and the end of a log, unless something stands in it."""
+def _show_log(log: Path) -> None:
+    """Show the place and the end of a log."""
     text = ""
     with suppress(OSError):  # there is none, or it cannot be read
         text = log.read_text(encoding="utf-8", errors="replace")
-    if unless is None or not unless.search(text):
-        last = [line for line in text.splitlines() if line.strip()][-_TAIL:]
-        end = "".join(f"\n  {line}" for line in last)
-        print(f"slider: the job's log is {log}{end}", file=sys.stderr)
+    last = [line for line in text.splitlines() if line.strip()][-_TAIL:]
+    end = "".join(f"\n  {line}" for line in last)
+    print(f"slider: the job's log is {log}{end}", file=sys.stderr)

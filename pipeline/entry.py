@@ -1,13 +1,11 @@
 """What the Snakefile is made of: the current plan, the files of its jobs, tracking."""
 
 import errno
-import gc
 import getpass
 import os
 import shlex
 import signal
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -239,17 +237,10 @@ def open_pipeline(
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
         os.environ["USER"] = "nobody"
-    gc.disable()  # a tenth of the time, and there is hardly anything to collect
-    try:
-        overrides = parse_overrides(settings)
-        config = with_renderer(checked(compose(overrides, conf)))
-        plan = build_plan(all_targets(config, overrides, conf))
-        notes = Path(".snakemake")  # also in a dry run; where it cannot be, Snakemake shows a trace
-        notes.mkdir(exist_ok=True)
-        tempfile.TemporaryFile(dir=notes).close()
-        path = _lay_out(plan, store, config, dry_run)
-    finally:
-        gc.enable()
+    overrides = parse_overrides(settings)
+    config = with_renderer(checked(compose(overrides, conf)))
+    plan = build_plan(all_targets(config, overrides, conf))
+    path = _lay_out(plan, store, config, dry_run)
     return Pipeline(config, overrides, plan, path, store, conf, cores, dry_run)
 
 

@@ -6,7 +6,6 @@ target.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import chain
 from pathlib import Path
 
 from pipeline.stages import all_jobs
@@ -17,13 +16,13 @@ from pipeline.studies import study_job
 from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
-from slider.config.schema import Config, StudyConfig
+from slider.config.schema import Config
 from slider.core import files
 from slider.core.errors import require
-from slider.reports.sections import OPTIONAL, SECTIONS, check_sections
+from slider.reports.sections import check_sections
 
-RULES = ("all", "draw_figures", "gait_library", "policy")
-"""Rules that are neither a target nor a stage."""
+RULES = ("all", "draw_figures", "gait_library", "policy", "untuned", "videos")
+"""Rules, a target and a part of the page that are no stage."""
 ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning, "second_engine": second_engine}
 """Beside the studies."""
 
@@ -56,16 +55,13 @@ def job_on_demand(
 
 
 def _check_names(config: Config) -> None:
-    """Protocols and studies, which are targets, have names and files of their own."""
-    shown = (s.needs for name, s in SECTIONS.items() if name not in config.study)
-    needed = {need.removesuffix(OPTIONAL).partition(".")[0] for needs in shown for need in needs}
-    taken = {*STAGES, *RULES, *needed, *chain(*(stage.files for stage in STAGES.values()))}
-    added = [*(("study", name) for name in config.study)]
-    added += [("protocols", name) for name in config.protocols]
-    for group, name in added:
-        expected, own = "a name that no target, stage, rule or report has", {name, *_studied(name)}
-        require(taken.isdisjoint(own), f"{group}.{name}", expected, name)
-        taken |= own
+    """Protocols and studies, which are targets, have names of their own."""
+    taken = {*STAGES, *RULES}
+    for group, names in (("study", config.study), ("protocols", config.protocols)):
+        for name in names:
+            expected = "a name that no target, stage or rule has"
+            require(name not in taken, f"{group}.{name}", expected, name)
+            taken.add(name)
 
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
@@ -74,15 +70,11 @@ def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     for name, protocol in config.protocols.items():
         drawn = protocol.profile is None or protocol.profile.rows != "cases"
         files[name] = compared(name) if drawn else tables(name)
-    files |= {name: _studied(name, study) for name, study in config.study.items()}
+    for name, study in config.study.items():  # learning curves where it trains
+        drawn = study.training is not None
+        curves = [f"{name}_curves.csv"] * drawn
+        files[name] = (*(compared if drawn else tables)(name), f"{name}_runs.csv", *curves)
     return {name: tuple(f"reports/{file}" for file in own) for name, own in files.items()}
-
-
-def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
-    """Files of a study; learning curves where it trains, by default all that there can be."""
-    trained = study is None or study.training is not None
-    curves = [f"{name}_curves.csv"] * trained
-    return (*(compared if trained else tables)(name), f"{name}_runs.csv", *curves)
 
 
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:

@@ -27,7 +27,13 @@ def library_job(config: Config) -> JobSpec:
     """The gait library, and with it all gaits."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
-    return gait_library(config, gaits)
+    section = {
+        "library": to_dict(config.library),
+        # Written into the library beside the gaits.
+        "robot": mechanism(config),
+        **only(to_dict(config.gait), "dynamics", "cost", "kinematic_map"),
+    }
+    return job("library", "gait library", section, {"gaits": gaits})
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:
@@ -67,17 +73,6 @@ def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
     inputs = {} if velocity == anchor else {"anchor": [gait(shared, anchor)]}
     label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
     return job("gait", label, shared | {"velocity": [*velocity]}, inputs)
-
-
-def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
-    """All gaits in one store."""
-    section = {
-        "library": to_dict(config.library),
-        # Written into the library beside the gaits.
-        "robot": mechanism(config),
-        **only(to_dict(config.gait), "dynamics", "cost", "kinematic_map"),
-    }
-    return job("library", "gait library", section, {"gaits": gaits})
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:

@@ -23,17 +23,17 @@ from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
-from slider.core.files import flatten, plain
+from slider.core.files import flatten
 
 DATABASE = "mlflow.db"  # below artefacts/
 LATEST = "current/runs"  # part of the address of the latest pipeline's runs
 FINISHED, FAILED = "FINISHED", "FAILED"
-_APART = "gait"  # stage with an experiment of its own: its many runs would bury the others
+_MANY = "gait"  # stage without runs: hundreds would bury the others
 _SHOWN = (".csv", ".svg", ".html", ".pt", ".onnx", ".xml", ".json")  # files of a result
 _PERIOD, _PATIENCE = 1.0, 60.0  # between two looks at running jobs, and for the end [s]
 ARTIFACT_ROOT = "_MLFLOW_SERVER_ARTIFACT_ROOT"  # private; see tests/test_private.py
 _MAX_PARAM = 5000  # characters of a parameter's value
-_PARENT, _PIPELINE, _NOTE = "mlflow.parentRunId", "pipeline", "mlflow.note.content"
+_PARENT = "mlflow.parentRunId"
 _KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
 
 
@@ -76,26 +76,19 @@ class Tracking:
     def began(self, recipe: str) -> None:
         """A job is about to start."""
         job = self._plan.jobs[recipe]
-        if job.tracked:
+        if job.tracked and job.stage != _MANY:
             self._runs[recipe] = _Run(job, _now())
 
-    def ended(self, recipe: str) -> None:
-        """A job succeeded; one that reused a result has no run."""
-        self._put_end(recipe, FINISHED)
-
-    def failed(self, recipe: str) -> None:
-        """A job failed."""
-        self._put_end(recipe, FAILED)
-
-    def _put_end(self, recipe: str, status: str) -> None:
+    def ended(self, recipe: str, succeeded: bool = True) -> None:
+        """A job succeeded or failed; one that reused a result has no run."""
         if run := self._runs.pop(recipe, None):
-            now = _now()
+            status, now = FINISHED if succeeded else FAILED, _now()
             self._actions.put(lambda: self._end(run, status, now))
 
     def finish(self, succeeded: bool) -> None:
         """Close all runs and wait until everything is written."""
         for recipe in [*self._runs]:
-            self.failed(recipe)
+            self.ended(recipe, succeeded=False)
         status, now = FINISHED if succeeded else FAILED, _now()
         self._actions.put(lambda: self._client.set_terminated(self._id, status, end_time=now))
         self._actions.put(None)
@@ -131,26 +124,19 @@ class Tracking:
         """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
         with exclusive(self._store.locks, "tracking"):
             self._client = _connect(self._store)
-            self._experiments = {
-                name: _experiment(self._client, name) for name in (self._experiment, self._gaits)
-            }
+            self._place = _experiment(self._client, self._experiment)
             _close_killed(self._client, self._store)
-            self._id = self._create(self._experiment, name, began, tags, params)
+            self._id = self._create(name, began, tags, params)
             held.enter_context(exclusive(self._store.locks, self._id))
-            latest = page(self._experiments[self._experiment])
+            # Without a type MLflow shows another page.
+            latest = f"/experiments/{self._place}/runs?workflowType=machine_learning"
             files.write_atomic(self._store.root / LATEST, latest)
 
-    @property
-    def _gaits(self) -> str:
-        return f"{self._experiment}-{_APART}s"
-
-    def _create(
-        self, place: str, name: str, began: int, tags: Mapping, params: Mapping[str, Any]
-    ) -> str:
+    def _create(self, name: str, began: int, tags: Mapping, params: Mapping[str, Any]) -> str:
         from mlflow.entities import Param
 
-        tags, place = {**self._common, **tags}, self._experiments[place]
-        run = self._client.create_run(place, start_time=began, tags=tags, run_name=name)
+        tags = {**self._common, **tags}
+        run = self._client.create_run(self._place, start_time=began, tags=tags, run_name=name)
         flat = flatten(params).items()
         values = [Param(key, str(value)[:_MAX_PARAM]) for key, value in flat]
         self._client.log_batch(run.info.run_id, params=values)
@@ -159,31 +145,26 @@ class Tracking:
     def _open(self, run: _Run) -> str:
         """Id of the run of a job, which is created if it is not there yet."""
         if not run.id:
-            job, apart = run.job, run.job.stage == _APART
-            # Pages show parents beside their children: not in two experiments.
-            tags = {_PIPELINE if apart else _PARENT: self._id}
-            tags |= {"stage": job.stage, "recipe": job.recipe}
-            place = self._gaits if apart else self._experiment
-            run.id = self._create(place, job.label, run.began, tags, job.section)
+            job = run.job
+            tags = {_PARENT: self._id, "stage": job.stage, "recipe": job.recipe}
+            run.id = self._create(job.label, run.began, tags, job.section)
         return run.id
 
     def _log_new_metrics(self, run: _Run) -> None:
         """Write what a job has appended to its metrics since."""
         path = self._store.metrics_path(run.job.stage, run.job.recipe)
-        content = b""
-        if path.is_file():
-            with path.open("rb") as file:
-                if (inode := os.fstat(file.fileno()).st_ino) != run.inode:  # of another attempt
-                    run.inode, run.read = inode, 0
-                file.seek(run.read)
-                content = file.read()
+        if not path.is_file():
+            return
+        with path.open("rb") as file:
+            if (inode := os.fstat(file.fileno()).st_ino) != run.inode:  # of another attempt
+                run.inode, run.read = inode, 0
+            file.seek(run.read)
+            content = file.read()
         lines = content[: content.rfind(b"\n") + 1]  # whole ones
         run.read += len(lines)
-        if lines:
-            events = [json.loads(line) for line in lines.splitlines()]
-            own = [event for event in events if event["time"] >= run.began]
-            if metrics := [one for event in own for one in _metrics(**event)]:
-                self._client.log_batch(self._open(run), metrics)
+        own = (event for event in map(json.loads, lines.splitlines()) if event["time"] >= run.began)
+        if metrics := [one for event in own for one in _metrics(**event)]:
+            self._client.log_batch(self._open(run), metrics)
 
     def _end(self, run: _Run, status: str, now: int) -> None:
         metadata = self._store.metadata(run.job.stage, run.job.recipe)
@@ -197,34 +178,21 @@ class Tracking:
         self._client.set_terminated(run.id, status, end_time=now)
 
     def _log_result(self, run: _Run, metadata: Mapping[str, Any], now: int) -> None:
-        """Write what a job led to: its numbers, files, those of its gaits, and a description."""
+        """Write what a job led to: its numbers and files."""
         from mlflow.entities import RunTag
 
         job, store, client = run.job, self._store, self._client
         result = store.read_manifest(job.stage, job.recipe).result
-        summary, run_numbers = _numbers(result.summary), _numbers(metadata)
-        noted = summary | {f"run/{name}": value for name, value in run_numbers.items()}
+        of_run = {f"run/{name}": value for name, value in _numbers(metadata).items()}
+        noted = _numbers(result.summary) | of_run
         folder = store.object_folder(result.object)
         path = folder.relative_to(store.root).as_posix()
         names = sorted({name.partition("/")[0] for name in result.files})
-        lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
-        lines += [f"Result, below `{store.root.name}/`:", "", *(f"* `{path}/{n}`" for n in names)]
-        gaits = [item for item in job.needs if item.stage == _APART]
-        if gaits:
-            link = page(self._experiments[self._gaits])
-            lines = [f"Made from the runs of [{self._gaits}](#{link}).", "", *lines]
-            client.log_table(run.id, _table(store, gaits), f"{_APART}s.json")
-        tags = {"object": result.object, "object.path": path, _NOTE: "\n".join(lines).lstrip()}
-        values = [RunTag(*tag) for tag in tags.items()]
-        client.log_batch(run.id, _metrics(now, 0, noted), tags=values)
-        for name in names if job.stage != _APART else ():
+        tags = [RunTag("object", result.object), RunTag("object.path", path)]
+        client.log_batch(run.id, _metrics(now, 0, noted), tags=tags)
+        for name in names:
             if name.endswith(_SHOWN):
                 client.log_artifact(run.id, str(folder / name))
-
-
-def page(experiment: str) -> str:
-    """Part of MLflow's address that lists runs; without a type it shows another page."""
-    return f"/experiments/{experiment}/runs?workflowType=machine_learning"
 
 
 def _connect(store: Store) -> Any:
@@ -254,7 +222,7 @@ def _close_killed(client: Any, store: Store) -> None:
     experiments = [experiment.experiment_id for experiment in client.search_experiments()]
     for run in client.search_runs(experiments, "attributes.status = 'RUNNING'"):
         tags, id = run.data.tags, run.info.run_id
-        owner = tags.get(_PARENT) or tags.get(_PIPELINE) or (id if "plan" in tags else None)
+        owner = tags.get(_PARENT) or (id if "plan" in tags else None)
         with suppress(Timeout):
             if owner is not None:
                 with exclusive(store.locks, owner, timeout=0):
@@ -265,16 +233,6 @@ def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:
     from mlflow.entities import Metric
 
     return [Metric(name, value, time, step) for name, value in values.items()]
-
-
-def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
-    """Summaries of jobs and numbers of their computations, a column each."""
-    rows = [
-        store.read_manifest(job.stage, job.recipe).result.summary
-        | _numbers(store.metadata(job.stage, job.recipe))
-        for job in jobs
-    ]
-    return {name: plain([row.get(name) for row in rows]) for name in rows[0]}
 
 
 def _numbers(metadata: Mapping[str, Any]) -> dict[str, float]:

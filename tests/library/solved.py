@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 
-from pipeline.stages.gaits import gait_library, gait_section
+from pipeline.stages.gaits import gait_section, library_job
 from slider.config.schema import Config
 from slider.core.job import Job
 from slider.gait import stage as gait_stage
@@ -34,6 +34,6 @@ def solved_library(velocities: tuple[Velocity, ...], dynamics: str = "prismatic"
     """Object folder of a library."""
     gaits = [solved_gait(velocity, dynamics) for velocity in velocities]
     out = Path(mkdtemp(prefix="library-", dir=shared.folder()))
-    section = dict(gait_library(config(dynamics), []).section)
+    section = dict(library_job(config(dynamics)).section)
     library_stage.run(section, {"gaits": gaits}, out, Job(out))
     return out

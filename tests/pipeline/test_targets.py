@@ -23,9 +23,9 @@ def targets(*overrides: str):
     "key", [*(f"protocols.{name}" for name in ("table1", "untuned", "seeds")), "study.figures"]
 )
 def test_a_protocol_or_study_takes_no_name_of_another(key):
-    """Of a target, a stage, a study, a report."""
+    """Of a target, a stage, a study."""
     other = "${protocols.sweep}" if key.startswith("protocols") else "${study.gait_starts}"
-    with pytest.raises(UserError, match=rf"{key}: expected a name that no target, stage, rule"):
+    with pytest.raises(UserError, match=rf"{key}: expected a name that no target, stage or rule"):
         targets(f"+{key}={other}")
 
 

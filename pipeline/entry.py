@@ -160,8 +160,8 @@ class Pipeline:
         private.pass_on(workflow, PLAN, self.plan_path)
         for recipe in private.forced_recipes(workflow):  # to compute anew, not to reuse
             job = self.plan.jobs[recipe]
-            objects = {name: [*map(self._object, jobs)] for name, jobs in job.inputs.items()}
-            self.store.index_path(job.key(objects)).unlink(missing_ok=True)
+            key = job.key(self.store.input_objects(job))
+            self.store.index_path(key).unlink(missing_ok=True)
         note_start(self.store.root, self.overrides)
         if self.config.tracking.enabled:
             overrides = " ".join(self.overrides)
@@ -174,11 +174,6 @@ class Pipeline:
                 tags={"plan": self.plan_path.stem, "overrides": overrides},
                 common={_TAGS[name]: value for name, value in revision().items()},
             )
-
-    def _object(self, job: JobSpec) -> str:
-        """Digest of a result; empty without one."""
-        manifest = self.store.present(Path(self._manifest(job)))
-        return manifest.result.object if manifest else ""
 
     def finish(self, succeeded: bool) -> None:
         """Wait until MLflow has this pipeline run."""

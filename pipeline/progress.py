@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable
 from contextlib import suppress
 
-from slider.artefacts.forecast import expected, latest_rates
+from slider.artefacts.forecast import expected, known_rates
 from slider.artefacts.plan import Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
@@ -24,7 +24,7 @@ class Progress:
     def __init__(self, plan: Plan, store: Store, recipes: Iterable[str], cores: int) -> None:
         needed = set(recipes)
         self._jobs = {recipe: job for recipe, job in plan.jobs.items() if recipe in needed}
-        rates = latest_rates(store, sorted({job.stage for job in self._jobs.values()}))
+        rates = known_rates(store, sorted({job.stage for job in self._jobs.values()}))
         self._seconds = {recipe: expected(job, rates) for recipe, job in self._jobs.items()}
         self._running: dict[str, float] = {}  # recipe → when it began [s]
         self._ended: set[str] = set()

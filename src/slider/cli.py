@@ -24,7 +24,7 @@ COMMANDS = {
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "why": ("slider.commands.plans:why", "show what would be computed, because of which change"),
     "diff": ("slider.commands.plans:diff", "show how two plans or two stores differ"),
-    "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
+    "store": ("slider.commands.store", "verify, clean and share the artefact store"),
     "library": ("slider.commands.library", "show what is in the gait library"),
     "policy": ("slider.commands.policy", "show or export a trained policy"),
     "results": ("slider.commands.results", "fill the documentation's result blocks"),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from slider.artefacts.forecast import START, expected, kind, latest_rates, size
+from slider.artefacts.forecast import START, expected, kind, known_rates, size
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
@@ -23,13 +23,13 @@ def note(store: Store, job: JobSpec, **facts) -> None:
 
 def test_times_are_those_of_earlier_jobs_in_proportion_to_their_size(store):
     job, other = evaluation(100), evaluation(100, "mine")
-    shipped = latest_rates(store, ["baseline"])
+    shipped = known_rates(store, ["baseline"])
     assert expected(job, shipped) == pytest.approx(START + 0.5663, rel=1e-3)
     assert expected(other, shipped) == START + 5.0
     note(store, job, computed=True, wall_s=90.0, cpu_s=60.0)  # other programs' load is not ours
     note(store, evaluation(7), computed=False, wall_s=0.1, cpu_s=0.1)
     (store.root / "baseline" / "torn.run.json").write_text("{")
-    rates = latest_rates(store, ["baseline"])
+    rates = known_rates(store, ["baseline"])
     assert expected(job, rates) == pytest.approx(START + 60.0)
     assert expected(evaluation(200), rates) == pytest.approx(START + 120.0)
 

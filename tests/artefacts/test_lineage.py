@@ -39,9 +39,7 @@ def plan_of(
     ]
     library = JobSpec("library", "the library", OTHER, {}, {"gaits": gaits})
     table = JobSpec("table", "the table", OTHER, {"trials": trials}, {"library": [library]})
-    keys = {"robot": robot, "evaluation": {"trials": trials}, "gait": {"grid": list(grid)}}
-    page = JobSpec("report", "the page", OTHER, {"configuration": keys})
-    return build_plan({"library": library, "table1": table, "report": page})
+    return build_plan({"library": library, "table1": table})
 
 
 def lay_out(store: Store, plan: Plan) -> None:
@@ -77,7 +75,7 @@ def why(store: Store, plan: Plan) -> list[str]:
         ({}, []),
         (
             {"robot": HEAVY, "trials": 3},
-            ["gait × 2: robot.mass 14.0 → 14.5", "table × 1: evaluation.trials 10 → 3"],
+            ["gait × 2: robot.mass 14.0 → 14.5", "table × 1: trials 10 → 3"],
         ),
         ({"robot": ROBOT | {"mass": None}}, ["gait × 2: robot.mass 14.0 → null"]),
         (
@@ -87,9 +85,9 @@ def why(store: Store, plan: Plan) -> list[str]:
         (
             {"cost": "another", "versions": VERSIONS | {"numpy": "2.1.0", "scipy": "1.0"}},
             [
-                "gait × 2: source gait.cost changed",
                 "gait × 2: package numpy 2.0.0 → 2.1.0",
                 "gait × 2: package scipy none → 1.0",
+                "gait × 2: source gait.cost changed",
             ],
         ),
         (
@@ -99,7 +97,6 @@ def why(store: Store, plan: Plan) -> list[str]:
     ],
 )
 def test_every_cause_is_named_once_with_the_jobs_that_it_acts_on(change, expected):
-    """Keys as people set them."""
     assert lines(plan_of(), plan_of(**change)) == expected
 
 
@@ -124,7 +121,7 @@ def test_why_names_the_first_cause_and_then_the_inputs(store):
         "the library: input gait",
         "the table: input library",
     ]
-    assert why(store, plan_of(trials=3)) == ["the table: evaluation.trials 10 → 3"]
+    assert why(store, plan_of(trials=3)) == ["the table: trials 10 → 3"]
     table = store.read_manifest("table", plan.targets["table1"])
     store.drop_object(table.result.object)
     assert why(store, plan) == [f"the table: {LOST}"]
@@ -135,10 +132,8 @@ def test_a_report_leads_to_its_target(text):
     assert find_target(text, plan_of()) == "table1"
 
 
-def test_an_unknown_target_has_a_suggestion():
-    with pytest.raises(UserError, match="found 'tabel1'; did you mean table1"):
-        find_target("tabel1", plan_of())
-    with pytest.raises(UserError, match="targets: library, table1, report"):
+def test_an_unknown_target_is_one_line():
+    with pytest.raises(UserError, match="targets: library, table1"):
         find_target("x", plan_of())
 
 
@@ -148,7 +143,7 @@ def test_the_commands(store, refused, capsys):
     first = run(store, plan_of())
     assert "expected a plan 'previous'" in refused("diff", "previous", "latest", *place)
     lay_out(store, plan_of(trials=3))
-    text = "  table: evaluation.trials 10 → 3\n"
+    text = "  table: trials 10 → 3\n"
     assert main(["why", "table1", *place]) == 0
     assert capsys.readouterr().out == f"table1: 1 to compute\n{text}"
     assert main(["diff", "previous", "latest", *place]) == 1

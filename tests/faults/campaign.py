@@ -6,7 +6,6 @@ one is taken.
 
 import errno
 import os
-import shutil
 import signal
 import sys
 import tempfile
@@ -62,15 +61,7 @@ def of_a_file(whole: Chain, where: Path) -> Iterator[Trial]:
                 path.chmod(0o644)
                 path.write_bytes(bytes(content))
 
-        def flip_and_forget(path: Path, flip: Callable = flip) -> None:
-            flip(path)
-            for place in ("index", "walking", "table1"):
-                shutil.rmtree(path.parents[len(where.parts) - 2] / place)
-
         yield Trial("a flipped bit", f"{where}, {name}", damaged(whole, flip, where))
-        if where.parts[1] == "objects":
-            act = damaged(whole, flip_and_forget, where)
-            yield Trial("a flipped bit before further jobs", f"{where}, {name}", act)
     yield Trial("a lost file", str(where), damaged(whole, Path.unlink, where))
 
 

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.workflow
 
 LONGER = f"{QUIET} train.walking.iterations=5"
 LOOKS = [
-    ["store", "ls"],
+    ["store", "times"],
     ["library", "show"],
     ["play", "--headless", "--seconds", "0.1"],
 ]
@@ -76,10 +76,9 @@ def test_a_pipeline_whose_job_a_signal_ends_fails_in_one_line_and_goes_on(worksp
         _, said = head.communicate()
         assert head.returncode == 1, said
         ended = [line for line in ours(said) if f"slider: walking: ended by {number}" in line]
-        log = [line for line in ours(said) if line.startswith("slider: the job's log is")]
-        # Ctrl-C and a hang-up reach Snakemake as well: it may leave out one line or the other.
-        assert len(ended) == 1 or (log and number != "SIGKILL") or number == "SIGTERM"
-        assert len(ours(said)) == len(ended) + len(log) <= 2
+        # The others reach Snakemake as well: it may leave the line out.
+        assert len(ended) == 1 or number != "SIGKILL"
+        assert ours(said) == ended
         assert all(("memory" in line) is (number == "SIGKILL") for line in ended)
         assert "Command '" not in said
         assert [*workspace.folder.glob(".snakemake/locks/*")] == []

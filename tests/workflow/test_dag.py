@@ -1,8 +1,8 @@
 """The real Snakemake: which jobs run when something changes, and the table that they end with."""
 
 import csv
+import os
 import re
-import resource
 import shutil
 import sqlite3
 import subprocess
@@ -107,6 +107,25 @@ def test_a_change_computes_what_depends_on_it(workspace):
     assert workspace.slider("store", "verify").returncode == 0
 
 
+def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(workspace, tmp_path):
+    giver, remote = workspace, tmp_path / "remote"
+    pushed = giver.slider("store", "push", str(remote))
+    assert pushed.stdout.startswith(f"push to {remote}: {len(EVERYTHING)} sent (")
+    result = giver.manifests("gait")[0]["result"]
+    (remote / "files" / result["files"]["gait.txt"]["sha256"]).write_bytes(b"")
+    taker = with_dummies(copy_repository(tmp_path / "taker"))
+    run = taker.snakemake(TABLE, hydra=f"{QUIET} store.remote={remote}")
+    assert run.returncode == 0, run.stderr
+    assert f"damaged in {remote}: expected object {result['object'][:12]}, found " in run.stderr
+    waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
+    start = f"slider: from {remote}: "
+    (line,) = [line for line in run.stderr.splitlines() if line.startswith(start)]
+    for count in (" 1 taken", " 1 damaged", f" {waiting} of other inputs"):
+        assert count in line
+    assert taker.stages() == ["gait"]
+    assert taker.table.read_text() == giver.table.read_text()
+
+
 def test_every_data_file_of_the_package_counts_as_one():
     """As git tracks it: of a kind that counts, and of a name that could be a module's."""
     command = ["git", "-C", REPOSITORY, "ls-files", "src"]
@@ -143,5 +162,4 @@ def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(tmp_path):
 
 def _processor_time() -> float:
     """Of the processes that this one waited for [s]."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
+    return sum(os.times()[2:4])

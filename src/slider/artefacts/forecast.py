@@ -11,16 +11,13 @@ from contextlib import suppress
 from importlib.resources import files as package_files
 
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.run_metadata import parse_metadata
 from slider.artefacts.store import Store
-from slider.core.errors import UserError
 from slider.core.files import flatten
 
 START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""
 TABLE = "times.csv"
 _UNKNOWN = 5.0  # seconds of a job of an unknown kind
-_LATEST = 64  # jobs of a stage
 _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _GAUGE = tuple(f"protocol.{name}" for name in ("trials", "speeds", "robots", "duration"))
@@ -51,16 +48,13 @@ def size(job: JobSpec) -> float:
     return math.prod(factor for factor in factors if isinstance(factor, int | float))
 
 
-def computed(
-    store: Store, stages: Iterable[str], latest: int | None = None
-) -> dict[str, list[tuple[float, float]]]:
-    """Processor seconds and seconds per size of the (latest) jobs of some stages, by kind."""
+def computed(store: Store, stages: Iterable[str]) -> dict[str, list[tuple[float, float]]]:
+    """Processor seconds and seconds per size of the jobs of some stages, by kind."""
     jobs: dict[str, list[tuple[float, float]]] = {}
     for stage in stages:
-        paths = store.root.glob(f"{stage}/*.run.json")
-        for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:latest]:
-            with suppress(UserError, KeyError):
-                metadata = parse_metadata(path)
+        for path in store.root.glob(f"{stage}/*.run.json"):
+            with suppress(KeyError, TypeError):
+                metadata = store.metadata(stage, path.name.partition(".")[0])
                 if metadata["computed"] and metadata["size"]:
                     spent = metadata["cpu_s"]
                     rate = min(metadata["wall_s"], spent) / metadata["size"]
@@ -68,15 +62,15 @@ def computed(
     return jobs
 
 
-def latest_rates(store: Store, stages: Iterable[str]) -> Rates:
-    """Processor seconds per size of the latest jobs of some stages.
+def known_rates(store: Store, stages: Iterable[str]) -> Rates:
+    """Processor seconds per size of the jobs of some stages.
 
     A kind without any has the rate of the table that ships, which ``slider store times`` writes.
     """
     with package_files("slider.artefacts").joinpath(TABLE).open(encoding="utf-8") as file:
         rates = {row["kind"]: [float(row["rate"])] for row in csv.DictReader(file)}
-    jobs = computed(store, stages, _LATEST)
-    return rates | {kind: [rate for _, rate in latest] for kind, latest in jobs.items()}
+    jobs = computed(store, stages)
+    return rates | {kind: [rate for _, rate in earlier] for kind, earlier in jobs.items()}
 
 
 def expected(job: JobSpec, rates: Rates) -> float:

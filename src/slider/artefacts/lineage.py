@@ -1,7 +1,8 @@
 """Why jobs must run, and how two plans differ: a walk over the jobs of both."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 from slider.artefacts.current import recent_plans
@@ -13,8 +14,6 @@ NEVER = "never computed"
 LOST = "object damaged or missing"
 _WIDTH = 40  # characters of a value
 _ABSENT = object()
-Leaf = tuple[tuple[str, ...], Any, Any]
-"""Path of a value that differs, before, after."""
 
 
 def differences(
@@ -25,7 +24,7 @@ def differences(
     Jobs of one recipe differ only where the ``stores`` of the plans hold other objects of it.
     """
     before, after = old.jobs_of(target), new.jobs_of(target)
-    partners, keys = _partners(before, after), _configuration_changes(old, new)
+    partners = _partners(before, after)
     causes: dict[str, list[JobSpec]] = {}
     differing: set[str] = set()
     for recipe, job in after.items():
@@ -33,7 +32,7 @@ def differences(
         if other is None:
             texts = [f"input {job.stage} added"]
         elif other.recipe != recipe:
-            texts = _causes(other, job, keys)
+            texts = _causes(other, job)
         else:
             paths = (store.manifest_path(job.stage, job.recipe) for store in stores)
             objects = {manifest.result.object for manifest in map(readable, paths) if manifest}
@@ -81,7 +80,7 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
 
     plans = (item for item in (plan, *recent_plans(store)) if target in item.targets)
     last = next((p for p in plans if was_computed(p.jobs[p.targets[target]])), plan)
-    jobs, keys = plan.jobs_of(target), _configuration_changes(last, plan)
+    jobs = plan.jobs_of(target)
     partners = _partners(last.jobs_of(target), jobs)
     reasons = []
     for job in (job for recipe, job in jobs.items() if recipe in needed):
@@ -91,44 +90,18 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
             continue
         earlier = {item.recipe for item in before.needs}
         inputs = dict.fromkeys(item.stage for item in job.needs if item.recipe not in earlier)
-        texts = [*_causes(before, job, keys), *(f"input {stage}" for stage in inputs)]
+        texts = [*_causes(before, job), *(f"input {stage}" for stage in inputs)]
         reasons.append((job, texts or ["fewer inputs"]))
     return reasons
 
 
-def _configuration_changes(old: Plan, new: Plan) -> list[Leaf]:
-    """Keys that people set and that differ: the page, a job of both plans, shows them all."""
-    trees = []
-    for plan in (old, new):
-        page = plan.jobs.get(plan.targets.get("report", ""))
-        trees.append(page.section.get("configuration", {}) if page else {})
-    return list(_leaves(*trees))
-
-
-def _causes(old: JobSpec, new: JobSpec, keys: Sequence[Leaf]) -> list[str]:
-    """Differences of two jobs but for their inputs: keys, then modules, then packages."""
-    modules = _leaves(old.code.parts, new.code.parts)
-    packages = _leaves(old.code.versions, new.code.versions)
-    return [
-        *(_change(_key(new.stage, leaf, keys), leaf) for leaf in _leaves(old.section, new.section)),
-        *(f"source {name} changed" for (name,), *_ in modules),
-        *(_change(f"package {leaf[0][0]}", leaf) for leaf in packages),
-    ]
-
-
-def _key(stage: str, leaf: Leaf, keys: Sequence[Leaf]) -> str:
-    """Configuration key behind a section's leaf, which has names of its own.
-
-    It has the same last name and values, and a path most like that of the leaf.
-    """
-    path, *values = leaf
-    same = [p for p, *others in keys if p[-1] == path[-1] and others == values]
-    near = {*path, *stage.split("_")}
-    return ".".join(max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=path))
-
-
-def _change(name: str, leaf: Leaf) -> str:
-    return f"{name} {_brief(leaf[1])} → {_brief(leaf[2])}"
+def _causes(old: JobSpec, new: JobSpec) -> list[str]:
+    """Differences of two jobs but for their inputs: settings, then packages, then modules."""
+    settings = _leaves(old.section, new.section)
+    packages = _leaves(old.code.versions, new.code.versions, "package ")
+    values = (f"{name} {_brief(a)} → {_brief(b)}" for name, a, b in chain(settings, packages))
+    modules = _leaves(old.code.parts, new.code.parts, "source ")
+    return [*values, *(f"{name} changed" for name, *_ in modules)]
 
 
 def _brief(value: Any) -> str:
@@ -138,12 +111,13 @@ def _brief(value: Any) -> str:
     return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…"
 
 
-def _leaves(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[Leaf]:
-    """Values that differ, in the order of the second tree."""
-    if isinstance(old, Mapping) and isinstance(new, Mapping):
-        for name in dict.fromkeys([*new, *old]):
-            yield from _leaves(old.get(name, _ABSENT), new.get(name, _ABSENT), (*path, str(name)))
-        if {*old} == {*new} and [*old] != [*new]:  # the order of terms has a meaning
-            yield (*path, "order"), [*old], [*new]
-    elif type(old) is not type(new) or old != new:
-        yield path, old, new
+def _leaves(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Name of a value that differs, before, after; in the order of the second tree."""
+    if not isinstance(old, Mapping) or not isinstance(new, Mapping):
+        if type(old) is not type(new) or old != new:
+            yield name.removesuffix("."), old, new
+        return
+    for key in dict.fromkeys([*new, *old]):
+        yield from _leaves(old.get(key, _ABSENT), new.get(key, _ABSENT), f"{name}{key}.")
+    if {*old} == {*new} and [*old] != [*new]:  # the order of terms has a meaning
+        yield f"{name}order", [*old], [*new]

@@ -12,7 +12,6 @@ from slider.core.errors import NotReadError, UserError, not_read
 from slider.core.files import FileTable
 
 SCHEMA = 4
-_LONGEST_NAME = 255  # bytes, which every file system allows
 
 
 @dataclass(frozen=True)
@@ -48,10 +47,6 @@ class Manifest:
 _MANIFESTS = TypeAdapter(Manifest)
 
 
-class OtherVersionError(UserError):
-    """A whole file of the store that another version of this project wrote."""
-
-
 def damaged(stage: str, digest: str) -> UserError:
     """The error of a result whose content is not what its name says."""
     return UserError(
@@ -66,13 +61,9 @@ def parse_manifest(path: Path) -> Manifest:
     Raises:
         UserError: there is none, or it is damaged.
         NotReadError: it cannot be read.
-        OtherVersionError: another version of this project wrote it.
     """
     try:
-        values = files.read_json(path)
-        if _is_of_another_version(values):
-            raise OtherVersionError(f"expected a manifest, found one of another version in {path}")
-        manifest = manifest_from(values)
+        manifest = manifest_from(files.read_json(path))
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
     except OSError as error:
@@ -82,14 +73,6 @@ def parse_manifest(path: Path) -> Manifest:
     if path.stem not in (manifest.recipe, manifest.key):
         raise UserError(f"expected a manifest, found that of another job in {path}")
     return manifest
-
-
-def _is_of_another_version(values: Any) -> bool:
-    """Whether the schema is another one, and no damage: the digest, if there is one, fits."""
-    if not isinstance(values, dict) or values.get("schema") in (None, SCHEMA):
-        return False
-    others = {name: value for name, value in values.items() if name != "digest"}
-    return values.get("digest") in (None, files.digest_value(others))
 
 
 def readable(path: Path) -> Manifest | None:
@@ -116,10 +99,8 @@ def manifest_from(values: Any) -> Manifest:
     if plain_manifest(manifest) != values:  # with the digest
         raise ValueError("expected the values that were written, found others")
     table = manifest.result.files
-    if not all(_is_plain(name) for name in table):
+    if not all(map(_is_plain, table)):
         raise ValueError("expected plain names of files below a folder")
-    if any(str(parent) in table for name in table for parent in PurePosixPath(name).parents):
-        raise ValueError("expected files, found one in the place of a folder")
     if files.digest_table(table) != manifest.result.object:
         raise ValueError("expected the files of the object")
     return manifest
@@ -129,8 +110,7 @@ def _is_plain(name: str) -> bool:
     """Whether a name leads to a file below a folder, in its shortest form."""
     path = PurePosixPath(name)
     below = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
-    plain = name.isprintable() and "\\" not in name and len(name.encode()) <= _LONGEST_NAME
-    return below and plain and str(path) == name
+    return below and name.isprintable() and str(path) == name
 
 
 def plain_manifest(manifest: Manifest) -> dict[str, Any]:

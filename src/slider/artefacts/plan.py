@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.manifest import SCHEMA, OtherVersionError
+from slider.artefacts.manifest import SCHEMA
 from slider.artefacts.recipe import Code, Groups
 from slider.core import files
 from slider.core.errors import UserError, not_read
@@ -135,30 +135,14 @@ def read_plan(path: Path) -> Plan:
     """Read a plan; its recipes are those with which it was laid out.
 
     Raises:
-        OtherVersionError: another version of this project wrote it.
-        UserError: as of ``plan_text``.
-    """
-    text = plan_text(path)
-    try:
-        return _from_values(json.loads(text))
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise OtherVersionError(
-            f"expected a plan, found one of another version at {path}"
-        ) from None
-
-
-def plan_text(path: Path) -> str:
-    """Text of a plan, of whatever version.
-
-    Raises:
-        UserError: the file is missing or is not the plan that its name says.
+        UserError: the file is missing, is not the plan that its name says, or of another version.
         NotReadError: it cannot be read.
     """
     try:
         text = path.read_text(encoding="utf-8").removesuffix("\n")
         if files.digest_text(text) == path.stem:
-            return text
-    except (FileNotFoundError, ValueError):
+            return _from_values(json.loads(text))
+    except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError):
         pass
     except OSError as error:
         raise not_read(error, path) from None

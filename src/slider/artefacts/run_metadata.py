@@ -7,70 +7,23 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
-
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, NonNegativeFloat
+from typing import Any
 
 from slider.core import files
-from slider.core.errors import UserError, not_read
 
 _SOURCE = Path(__file__).parent
 _START = "current/started"
 
 
-def _time(text: str) -> str:
-    datetime.fromisoformat(text)
-    return text
-
-
-_Time = Annotated[str, AfterValidator(_time)]
-
-
-class _RunMetadata(BaseModel):
-    """What has a meaning here, all of it optional; stages add numbers of their own."""
-
-    model_config = ConfigDict(extra="allow", strict=True, allow_inf_nan=False)
-    __pydantic_extra__: dict[str, bool | int | float | str] = Field(init=False)
-    started: _Time = ""
-    ended: _Time = ""
-    pipeline_started: _Time = ""
-    wall_s: NonNegativeFloat = 0.0
-    cpu_s: NonNegativeFloat = 0.0
-    solve_cpu: NonNegativeFloat = 0.0
-    size: NonNegativeFloat = 0.0
-    threads: int = 0
-    computed: bool = False
-    kind: str = ""
-    machine: str = ""
-    commit: str = ""
-    dirty: Literal["true", "false"] = "false"
-    overrides: str = ""
-    reused_from: str = ""
-    taken_from: str = ""
-
-
 def validate_metadata(values: Any) -> dict[str, Any]:
-    """Run metadata of plain values, such as those of a file or a remote; nothing is trusted.
+    """Run metadata of plain values, such as those of a file or a remote.
 
     Raises:
-        ValueError: a value is of another type, or no number or time.
+        ValueError: they are no table of numbers and texts.
     """
-    return _RunMetadata.model_validate(values).model_dump(exclude_unset=True)
-
-
-def parse_metadata(path: Path) -> dict[str, Any]:
-    """Read a file with run metadata.
-
-    Raises:
-        NotReadError: there is none, or it cannot be read.
-        UserError: it is damaged.
-    """
-    try:
-        return validate_metadata(files.read_json(path))
-    except OSError as error:
-        raise not_read(error, path) from None
-    except ValueError:
-        raise UserError(f"expected run metadata, found something else in {path}") from None
+    if isinstance(values, dict) and all(isinstance(v, int | float | str) for v in values.values()):
+        return values
+    raise ValueError("expected a table of numbers and texts")
 
 
 def revision() -> dict[str, str]:

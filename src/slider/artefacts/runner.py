@@ -6,10 +6,9 @@ import importlib
 import json
 import logging
 import os
-import resource
 import shutil
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import chdir, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from pathlib import Path
 from slider.artefacts.forecast import kind, size
 from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import SOURCE_ROOT, code_of
+from slider.artefacts.recipe import SOURCE_ROOT, Groups, code_of
 from slider.artefacts.run_metadata import now, pipeline_metadata
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
@@ -25,8 +24,6 @@ from slider.core.errors import UserError
 from slider.core.job import Job, StageFunction
 from slider.core.machine import check_machine, machine
 
-Objects = Mapping[str, Sequence[str]]
-"""Objects of the inputs by name."""
 _log = logging.getLogger(__name__)
 
 
@@ -71,10 +68,9 @@ class Runner:
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
-    def _compute(self, spec: JobSpec, objects: Objects) -> Result:
+    def _compute(self, spec: JobSpec, objects: Groups) -> Result:
         """Compute and publish a result; write its run metadata beside the manifest's place."""
         started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()  # imports are part of it
-        load = os.getloadavg()[0]
         check_machine(spec.section)
         limit_threads(self.threads)
         # glibc's thresholds follow the largest block that is freed, up to 32 MiB. Without this it
@@ -103,7 +99,6 @@ class Runner:
             "ended": now(),
             "wall_s": round(time.perf_counter() - wall, 3),
             "cpu_s": round(_cpu_seconds() - cpu, 3),
-            "load_1min_at_start": round(load, 2),
             "machine": machine(),
             "computed": True,
             "threads": self.threads,
@@ -177,5 +172,4 @@ def limit_threads(threads: int) -> None:
 
 
 def _cpu_seconds() -> float:
-    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+    return sum(os.times()[:4])  # those of children, too

@@ -29,7 +29,8 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.run_metadata import parse_metadata
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.run_metadata import validate_metadata
 from slider.core import files
 from slider.core.errors import UserError, not_read
 
@@ -67,8 +68,8 @@ class Store:
 
     def metadata(self, stage: str, recipe: str) -> dict[str, Any]:
         """Run metadata of a manifest; empty where they are missing or damaged."""
-        with suppress(UserError):
-            return parse_metadata(self.metadata_path(stage, recipe))
+        with suppress(OSError, ValueError):
+            return validate_metadata(files.read_json(self.metadata_path(stage, recipe)))
         return {}
 
     def log_path(self, stage: str, recipe: str) -> Path:
@@ -140,19 +141,12 @@ class Store:
             raise not_read(error, folder) from None
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed.
-
-        Raises:
-            UserError: the system does not let it be removed, such as another user's.
-        """
+        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
         folder = self.object_folder(digest)
-        try:
-            if folder.is_dir() and not folder.is_symlink():
-                shutil.rmtree(folder)
-            else:
-                folder.unlink(missing_ok=True)
-        except OSError as error:
-            raise UserError(f"expected to remove {folder}, found: {error.strerror}") from None
+        if folder.is_dir() and not folder.is_symlink():
+            shutil.rmtree(folder)
+        else:
+            folder.unlink(missing_ok=True)
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
@@ -165,15 +159,8 @@ class Store:
 
     def manifests(self) -> list[Path]:
         """Every manifest of the store."""
-        return self._records(".json")
-
-    def metadata_files(self) -> list[Path]:
-        """Every file of run metadata."""
-        return self._records(".run.json")
-
-    def _records(self, ending: str) -> list[Path]:
         stages = (p for p in files.entries(self.root) if not p.is_file() and p.name != "plans")
-        return _named(stages, rf"[0-9a-f]{{64}}\{ending}")
+        return _named(stages, r"[0-9a-f]{64}\.json")
 
     def objects(self) -> list[str]:
         """Name of every object, whatever is in it."""
@@ -189,11 +176,6 @@ class Store:
         """File of the index behind the early cut-off: the first manifest of a key."""
         return self.root / "index" / key[:2] / f"{key}.json"
 
-    def index(self) -> list[Path]:
-        """Every entry of the index."""
-        groups = _named([self.root / "index"], "[0-9a-f]{2}")
-        return _named(groups, r"[0-9a-f]{64}\.json")
-
     def put_index(self, key: str, manifest: Manifest) -> None:
         """Add a computed result to the index.
 
@@ -202,21 +184,26 @@ class Store:
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
-    def present(self, path: Path) -> Manifest | None:
-        """A manifest, if its object is there, whole or not."""
-        manifest = readable(path)
-        there = manifest and self.object_folder(manifest.result.object).is_dir()
-        return manifest if there else None
-
     def find(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
-        manifest = readable(self.index_path(key))
-        return manifest if manifest and self.is_whole(manifest.result.object) else None
+        return self._whole(self.index_path(key))
 
     def verify(self, stage: str, recipe: str) -> Manifest | None:
         """Manifest of a recipe, if its object is whole."""
-        manifest = readable(self.manifest_path(stage, recipe))
+        return self._whole(self.manifest_path(stage, recipe))
+
+    def _whole(self, path: Path) -> Manifest | None:
+        manifest = readable(path)
         return manifest if manifest and self.is_whole(manifest.result.object) else None
+
+    def input_objects(self, job: JobSpec) -> dict[str, list[str]]:
+        """Objects of the inputs of a job; empty names for those that are not whole."""
+
+        def objects(jobs: Iterable[JobSpec]) -> list[str]:
+            whole = (self.verify(item.stage, item.recipe) for item in jobs)
+            return [manifest.result.object if manifest else "" for manifest in whole]
+
+        return {name: objects(jobs) for name, jobs in job.inputs.items()}
 
     def require(self, stage: str, recipe: str) -> Manifest:
         """Manifest of a recipe, whose object is whole at this moment.
@@ -242,7 +229,6 @@ def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
 
     Raises:
         Timeout: another process still holds the name after so many seconds; -1 waits for ever.
-        UserError: there is no place for a lock file.
     """
     with _held(folder, name, timeout):
         with _held(folder, _GATE):
@@ -258,7 +244,7 @@ def nobody_else(folder: Path) -> Iterator[None]:
     """Hold every lock at once.
 
     Raises:
-        UserError: some job is running, or there is no place for a lock file.
+        UserError: some job is running.
     """
     with ExitStack() as held:
         try:
@@ -273,12 +259,5 @@ def nobody_else(folder: Path) -> Iterator[None]:
 
 
 def _held(folder: Path, name: str, timeout: float = -1) -> AbstractContextManager[Any]:
-    path = folder / f"{name}.lock"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return FileLock(path, timeout).acquire()
-    except Timeout:  # an OSError, too
-        raise
-    except (OSError, NotImplementedError) as error:
-        reason = getattr(error, "strerror", "a file system without locks")
-        raise UserError(f"expected a lock file at {path}, found: {reason}") from None
+    folder.mkdir(parents=True, exist_ok=True)
+    return FileLock(folder / f"{name}.lock", timeout).acquire()

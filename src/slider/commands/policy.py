@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.current import add_store_argument, current_folder, current_result
+from slider.artefacts.current import add_store_argument, current_result
 from slider.artefacts.run_metadata import last_robot
 from slider.artefacts.store import Store
 from slider.composition.compose import compose
@@ -51,6 +51,5 @@ def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
     if arguments.file is not None:
         return arguments.file, {}
     store = Store(arguments.artefacts)
-    folder = current_folder(store, "walking", _MAKE)
-    job, _ = current_result(store, "walking", _MAKE)
+    job, folder = current_result(store, "walking", _MAKE)
     return folder / POLICY_FILE, {"recipe": job.recipe, "source": job.code.source}

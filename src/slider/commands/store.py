@@ -1,4 +1,4 @@
-"""``slider store``: list, verify and clean the artefact store; push and pull results."""
+"""``slider store``: verify and clean the artefact store; push and pull results."""
 
 import argparse
 import statistics
@@ -6,8 +6,8 @@ import sys
 import time
 
 from slider.artefacts.current import add_store_argument, current_plan
-from slider.artefacts.forecast import computed, latest_rates
-from slider.artefacts.maintenance import collect, summarise, verify
+from slider.artefacts.forecast import computed, known_rates
+from slider.artefacts.maintenance import collect, verify
 from slider.artefacts.remote import Remote
 from slider.artefacts.store import Store
 from slider.artefacts.transfer import pull, push
@@ -18,8 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_store_argument(parser)
     actions = parser.add_subparsers(dest="action", required=True)
-    actions.add_parser("ls", help="count manifests, objects and bytes of each stage")
-    actions.add_parser("verify", help="rehash objects; drop what is corrupt or unreadable")
+    actions.add_parser("verify", help="rehash objects; drop manifests that lead to no whole one")
     gc = actions.add_parser("gc", help="remove what the latest plans do not reach")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
@@ -41,34 +40,23 @@ def run(arguments: argparse.Namespace) -> int:
     store, action = Store(arguments.artefacts), arguments.action
     if action in ("push", "pull"):
         return _travel(store, arguments)
-    if action == "ls":
-        print(f"{'stage':<14}{'manifests':>10}{'objects':>10}{'MB':>10}")
-        for stage, (manifests, objects, size) in summarise(store).items():
-            print(f"{stage:<14}{manifests:>10}{objects:>10}{size / 1e6:>10.2f}")
-    elif action == "verify":
-        removed = verify(store)
-        for name in removed.damage:
-            print(f"dropped {name}")
-        for line in removed.left:
-            print(f"{line}; it stays")
-        if removed.others:
-            print(f"{removed.others} files of other versions stay")
-        manifests = len(removed.manifests) + len(removed.derived)
-        print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
-        return int(bool(removed.damage or removed.left))
+    if action == "verify":
+        lines = verify(store)
+        print("\n".join([*lines, f"dropped {len(lines)} manifests"]))
+        return int(bool(lines))
     elif action == "times":  # what new clones predict with: src/slider/artefacts/times.csv
         print("kind,rate,jobs,cpu_s")
         stages = sorted({path.parent.name for path in store.manifests()})
         jobs = computed(store, stages)
-        for kind, rates in latest_rates(store, stages).items():
+        for kind, rates in known_rates(store, stages).items():
             spent = [seconds for seconds, _ in jobs.get(kind, ())]
             print(f"{kind},{statistics.median(rates):.4g},{len(spent)},{sum(spent):.1f}")
     else:
         removed = collect(store, arguments.keep, arguments.dry_run)
         verb = "would remove" if arguments.dry_run else "removed"
-        for name in (*(f"object {digest}" for digest in removed.objects), *removed.manifests):
+        for name in removed:
             print(f"{verb} {name}")
-        print(f"{verb} {len(removed.objects)} objects, {len(removed.manifests)} manifests")
+        print(f"{verb} {len(removed)} objects and manifests")
     return 0
 
 

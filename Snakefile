@@ -16,7 +16,6 @@ import pipeline
 sys.path[0] = f"{workflow.basedir}/src"
 from pipeline.console import Console
 from pipeline.entry import end_as_by_ctrl_c, open_pipeline
-from pipeline.private import cancel_rest
 
 
 report: "pipeline/captions/workflow.rst"
@@ -27,8 +26,7 @@ CONSOLE = Console(workflow)
 PIPELINE = open_pipeline(
     config,
     Path(workflow.basedir) / "conf",
-    head=workflow.is_main_process,
-    cores=workflow.resource_settings.cores,
+    cores=workflow.resource_settings.cores or 1,
     dry_run=workflow.output_settings.dryrun,
 )
 
@@ -60,6 +58,5 @@ onsuccess:
 
 
 onerror:
-    cancel_rest(workflow)
     PIPELINE.finish(succeeded=False)
     CONSOLE.close()

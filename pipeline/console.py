@@ -1,23 +1,19 @@
-"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become progress lines.
-
-On a cluster the output of a job is in Slurm's log; here the end of the job's own log is shown.
-"""
+"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become lines."""
 
 import logging
 import re
 import signal
 import sys
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.private import keep_reasons, needed_jobs
+from pipeline.private import needed_jobs
 from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
@@ -28,10 +24,7 @@ _OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # of a dry run they ar
 _TEXTS = (
     *("Select jobs to execute...", "Execute ", "Assuming unrestricted", "Building DAG"),
     *("Using shell", "Elapsed time"),
-    # Slurm's default account is one, too.
-    *("No SLURM account given", "No account was given", "Unable to guess SLURM account"),
 )
-_TAIL = 5  # lines of the log of a job that could not speak for itself
 # What Snakemake says about a job of ours that failed: the whole command, and how it ended.
 _ENDED = re.compile(
     r"Command '.* run --plan \S+ (?P<recipe>[0-9a-f]{64})\b.*' "
@@ -40,7 +33,6 @@ _ENDED = re.compile(
 )
 _BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # of some shells
 _OUT_OF_MEMORY = "SIGKILL, as the system does where memory runs out"
-_REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
 
 @dataclass
@@ -55,7 +47,6 @@ class Console:
         self._recipes: dict[int, str] = {}
         self._labels: dict[str, str] = {}
         logger.addFilter(self._is_news)
-        keep_reasons()
 
     def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
         """Begin to show and to track the jobs that Snakemake is about to run."""
@@ -63,8 +54,7 @@ class Console:
             self.tracking = tracking
             self._recipes = needed_jobs(self.workflow)
             self._labels = {recipe: plan.jobs[recipe].label for recipe in self._recipes.values()}
-            settings = self.workflow.resource_settings
-            cores = settings.cores or settings.nodes or 1
+            cores = self.workflow.resource_settings.cores or 1
             if self._recipes:
                 self.progress = Progress(plan, store, self._recipes.values(), cores)
                 self.progress.open()
@@ -90,7 +80,6 @@ class Console:
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
         with self._guarded():
-            _explain(event, vars(record), remote=not self.workflow.local_exec)
             names = ("jobs", "job_id", "jobid")  # of jobs that started, ended, failed
             jobs = next((vars(record)[name] for name in names if name in vars(record)), [])
             jobs = jobs if isinstance(jobs, list) else [jobs]
@@ -117,38 +106,3 @@ class Console:
             kept = "results and checkpoints are kept, the same command again goes on from there"
             label = self._labels.get(recipe, "the job")
             print(f"slider: {label}: ended by {cause}; {kept}", file=sys.stderr)
-
-
-def _explain(event: LogEvent | None, record: dict[str, Any], remote: bool) -> None:
-    """Show logs and reasons of failed jobs, which Snakemake does not."""
-    if event == LogEvent.GROUP_ERROR:
-        _show_failure(record, record["job_error_info"], record["aux_logs"])
-    if event == LogEvent.JOB_ERROR and remote and not record["indent"]:  # else of a group
-        own, others = record["log"][:1], record["log"][1:]
-        _show_failure(record, [record | {"log": own}], others)
-
-
-def _show_failure(
-    record: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
-) -> None:
-    """Show the cluster's reason and the ends of the logs of the jobs that failed.
-
-    Where none of them wrote a log, the cluster's own log is shown.
-    """
-    reason = _REASON_ENDS.split(record.get("rule_msg") or "")[0].strip()
-    if reason:
-        print(f"slider: {reason}", file=sys.stderr)
-    failed = [job for job in jobs if not all(Path(name).exists() for name in job["output"])]
-    logs = [log for job in failed for log in map(Path, job["log"]) if log.is_file()]
-    for log in logs or map(Path, cluster_logs):
-        _show_log(log)
-
-
-def _show_log(log: Path) -> None:
-    """Show the place and the end of a log."""
-    text = ""
-    with suppress(OSError):  # there is none, or it cannot be read
-        text = log.read_text(encoding="utf-8", errors="replace")
-    last = [line for line in text.splitlines() if line.strip()][-_TAIL:]
-    end = "".join(f"\n  {line}" for line in last)
-    print(f"slider: the job's log is {log}{end}", file=sys.stderr)

@@ -19,7 +19,7 @@ from pipeline import private
 from pipeline.stages.page import with_renderer
 from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
 from slider.artefacts.store import ARTEFACTS, Store
@@ -29,11 +29,11 @@ from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.core import environment
 from slider.core.errors import UserError, not_written, require
-from slider.core.machine import MOST_THREADS, training_threads
+from slider.core.machine import training_threads
 from slider.env.terms import checked
 from slider.tracking import Tracking
 
-OPTION, PLAN = "hydra", "plan"  # of --config; the latter is for the jobs of a cluster
+OPTION = "hydra"  # of --config
 _TITLE = 80  # characters
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 
@@ -61,8 +61,7 @@ def _print(line: object) -> None:
 class Pipeline:
     """The jobs of one configuration, as files below the working directory.
 
-    ``cores`` are those that all jobs share; ``None`` on a cluster, where each has its own. A
-    ``dry_run`` removes nothing.
+    ``cores`` are those that all jobs share. A ``dry_run`` removes nothing.
     """
 
     config: Config
@@ -71,7 +70,7 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
-    cores: int | None = None
+    cores: int = 1
     dry_run: bool = False
     tracking: Tracking | None = None
 
@@ -97,21 +96,12 @@ class Pipeline:
         loader = f"GLIBC_TUNABLES= LD_PRELOAD= LD_LIBRARY_PATH={shlex.quote(folders)}"
         return f"{loader} {shlex.join(words)}"
 
-    @property
-    def slots(self) -> int:
-        """Cores that a training holds: ``resources.threads``.
-
-        A job of several waits until as many are free at once, so the default is one, but on a
-        cluster, where the scheduler gives them at once.
-        """
-        return self.config.resources.threads or (1 if self.cores else MOST_THREADS)
-
     def threads(self, slots: int) -> int:
         """Threads of a training that holds some slots.
 
         By default its physics runs on more, which use the cores that other jobs leave idle.
         """
-        if self.cores is None or self.config.resources.threads is not None:
+        if self.config.resources.threads is not None:
             return slots
         return max(slots, training_threads(self.cores))
 
@@ -153,11 +143,10 @@ class Pipeline:
     def start(self, workflow: Any) -> None:
         """Begin this pipeline run, and to track it, if that is enabled.
 
-        On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
-        of the head. SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
+        SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
         """
         signal.signal(signal.SIGTERM, _end_jobs)
-        private.pass_on(workflow, PLAN, self.plan_path)
+        private.submit_at_once(workflow)
         for recipe in private.forced_recipes(workflow):  # to compute anew, not to reuse
             job = self.plan.jobs[recipe]
             key = job.key(self.store.input_objects(job))
@@ -210,24 +199,13 @@ def _interrupt_once(number: int, frame: FrameType | None) -> None:
 
 @one_line()
 def open_pipeline(
-    settings: Mapping[str, Any],
-    conf: Path,
-    head: bool = True,
-    cores: int | None = None,
-    dry_run: bool = False,
+    settings: Mapping[str, Any], conf: Path, cores: int = 1, dry_run: bool = False
 ) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1.
 
     A ``dry_run`` removes nothing.
-
-    On a cluster each job reads the Snakefile once more. It is not the ``head``: it takes the head's
-    plan as it is, also where the processor is another one, and leaves the store to the head.
     """
     store = Store(Path(ARTEFACTS))
-    if not head:
-        overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
-        path = Path(str(settings.get(PLAN)))
-        return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
     try:
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack

@@ -4,32 +4,20 @@ import inspect
 from typing import Any
 
 import pytest
-import snakemake_executor_plugin_slurm as slurm
 from mlflow.tracking._tracking_service import utils
 from snakemake.api import Workflow  # first: its modules import each other
-from snakemake.jobs import GroupJob, Reason
-from snakemake.settings.types import ConfigSettings
-from snakemake.spawn_jobs import SpawnedJobArgsFactory
+from snakemake.jobs import Reason
 from snakemake.workflow import DAG, JobScheduler
 
 from slider.tracking import ARTIFACT_ROOT
 
 SNAKEMAKE: dict[str, tuple[Any, str]] = {
-    "a group's failure takes the reason": (
-        GroupJob,
-        "def log_error(self, msg=None, aux_logs: Optional[list] = None, **kwargs)",
-    ),
-    "and adds what it is given to the record": (GroupJob, "**kwargs,\n"),
     "jobs to run": (DAG, "def needrun_jobs(self"),
     "why a job runs": (DAG, "def reason(self, job)"),
     "forced by the command line": (Reason, "self.forced = "),
     "number of a job": (DAG, "def jobid(self, job)"),
+    "the workflow's scheduler": (Workflow, "self.scheduler"),
     "limit of submissions": (JobScheduler, "if self.job_rate_limiter is None:"),
-    "--config of cluster jobs": (ConfigSettings, "config_args: Optional[str]"),
-    "passed on to them": (SpawnedJobArgsFactory, "config_settings.config_args"),
-    "processes of a cluster": (Workflow, "def is_main_process"),
-    "executor": (JobScheduler, "self._executor = "),
-    "name of all Slurm jobs of a run": (slurm.Executor, "self.run_uuid = "),
 }
 
 

@@ -21,7 +21,8 @@ for stage in STAGES:
         log:
             f"artefacts/logs/{stage}/{{recipe}}.log",
         priority: PRIORITIES.get(stage, 0)
-        threads: PIPELINE.slots if stage in TRAININGS else 1
+        # A job of several cores waits until as many are free at once.
+        threads: PIPELINE.config.resources.threads or 1 if stage in TRAININGS else 1
         resources:
             pool=(
                 (lambda wildcards, threads: PIPELINE.threads(threads))

@@ -1,14 +1,11 @@
 """What the Snakefile takes of the pipeline."""
 
 import shlex
-import signal
-from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from snakemake.cli import parse_config
 
-from pipeline.entry import PLAN, Pipeline, open_pipeline, parse_overrides
+from pipeline.entry import Pipeline, open_pipeline, parse_overrides
 from slider.artefacts.run_metadata import config_option
 from slider.core.errors import UserError
 from tests.config.composed import CONF
@@ -28,31 +25,12 @@ def opened(overrides: str = "", **options) -> Pipeline:
     [
         ("", 1, 1, 1),
         ("", 4, 1, 2),
-        ("", None, 4, 4),  # a cluster
         ("resources.threads=3", 2, 3, 3),
     ],
 )
 def test_a_training_holds_one_core_and_uses_idle_ones(overrides, cores, slots, threads):
     pipeline = opened(overrides, cores=cores)
-    assert (pipeline.slots, pipeline.threads(slots)) == (slots, threads)
-
-
-def test_a_job_takes_the_plan_of_the_head_on_another_processor(monkeypatch):
-    head = opened()
-    head.manifest("sensitivity")(None)
-    plans = {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()}
-
-    for name in ("ATEN_CPU_CAPABILITY", "ONEDNN_MAX_CPU_ISA", "MKL_CBWR"):
-        monkeypatch.setenv(name, {"MKL_CBWR": "SSE4_2"}.get(name, "default"))
-    settings = {"hydra": "experiment=test", PLAN: str(head.plan_path)}
-    job = open_pipeline(settings, CONF, head=False)
-    for recipe in head.plan.jobs:
-        wildcards = SimpleNamespace(recipe=recipe)
-        assert job.inputs(wildcards) == head.inputs(wildcards)
-    assert job.run == head.run
-    assert {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()} == plans
-
-    assert not head.plan.jobs.keys() <= opened().plan.jobs.keys()
+    assert pipeline.threads(slots) == threads
 
 
 def test_no_remote_fails_a_run(capsys):
@@ -60,16 +38,6 @@ def test_no_remote_fails_a_run(capsys):
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("slider: remote /nowhere: expected results of slider, found none")
     assert line.endswith("; what is missing is computed here")
-
-
-@pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
-def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(monkeypatch, given):
-    monkeypatch.setattr(signal, "signal", lambda *_: None)
-    settings = SimpleNamespace(config_args=given)
-    head = opened("tracking.enabled=false")
-    dag = SimpleNamespace(needrun_jobs=list)
-    head.start(SimpleNamespace(local_exec=False, config_settings=settings, dag=dag))
-    assert settings.config_args == [*(given or []), f"plan={head.plan_path}"]
 
 
 @pytest.mark.parametrize("overrides", ["a='b c' d=[1,2]", 'a="it\'s" b=1', "", "a=`x`$HOME"])

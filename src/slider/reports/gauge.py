@@ -5,7 +5,7 @@ of all robots passes, over all speeds, seeds and directions. The gauge number of
 mean of its levels over the axes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -57,7 +57,7 @@ def gauge_frame(cells: pd.DataFrame, labels: Mapping[str, str], survival: float)
         for axis, tested in mine.groupby("axis", sort=False):
             counts = tested.groupby("level")[["passed", "robots"]].sum(min_count=1)
             rates = counts["passed"] / counts["robots"]
-            level = highest_level(rates, survival)
+            level = int((rates >= survival).cumprod().sum())  # up to the first that is below
             value = tested["value"][tested["level"] == level]
             row = about | {"axis": axis, "level": level}
             row["magnitude"] = words(str(axis), value.iloc[0]) if level else ""
@@ -66,12 +66,6 @@ def gauge_frame(cells: pd.DataFrame, labels: Mapping[str, str], survival: float)
         mean = sum(levels) / len(levels)
         rows.append(about | {"axis": NUMBER, "level": mean, "magnitude": ""})
     return pd.DataFrame(rows)
-
-
-def highest_level(rates: Sequence[float], survival: float) -> int:
-    """Highest level, counted from 1, up to which no pass rate is below ``survival``; 0: none."""
-    below = (index for index, rate in enumerate(rates) if not rate >= survival)
-    return next(below, len(rates))
 
 
 def gauge_tables(frame: pd.DataFrame) -> Iterator[Table]:

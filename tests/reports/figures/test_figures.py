@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from slider.core.job import Job
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.reports.figures import FILES, NAMES
 from slider.reports.figures.cycles import draw as draw_cycles
 from slider.reports.figures.cycles import forward_gaits
@@ -30,11 +30,6 @@ GAITS = [velocity for velocity in VELOCITIES if velocity not in HOLES]
 def folder(tmp_path_factory) -> Path:
     """Object of a library with holes."""
     return write_store(tmp_path_factory.mktemp("figures"), GAITS, HOLES).parent
-
-
-@pytest.fixture(scope="module")
-def library(folder) -> GaitLibrary:
-    return GaitLibrary.load(folder / "library.zarr")
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +60,8 @@ def test_a_library_of_one_gait_can_be_drawn(tmp_path: Path):
     assert set(FILES) <= {path.name for path in tmp_path.iterdir()}
 
 
-def test_a_map_has_a_cell_per_gait_and_a_cross_per_hole(library):
+def test_a_map_has_a_cell_per_gait_and_a_cross_per_hole(folder):
+    library = GaitLibrary.load(folder / STORE)
     values = np.arange(len(library), dtype=float)
     axes = Figure().subplots()
     draw_map(axes, library, "eigenvalue", values, "1")
@@ -79,7 +75,8 @@ def test_a_map_has_a_cell_per_gait_and_a_cross_per_hole(library):
     assert crosses == [[0.5, 0.0], [2.0, 0.1]]
 
 
-def test_limit_cycles_are_closed_and_one_per_velocity(library):
+def test_limit_cycles_are_closed_and_one_per_velocity(folder):
+    library = GaitLibrary.load(folder / STORE)
     with style():
         axes = draw_cycles(library).axes[:6]
     gaits = forward_gaits(library, 9)

@@ -98,14 +98,14 @@ def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
     figure = new_figure(6.4)
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
     traces = [one.traces for one in evaluations if one.traces is not None]
+    time = duration * np.arange(1, len(traces[0]) + 1) / len(traces[0])  # ends of control steps
     for index, (one, trace) in enumerate(zip(evaluations, traces, strict=True)):
-        time = _times(trace, duration)
         for axis in range(3):
             _band(panels[axis], time, trace[:, 3 + axis], trace[:, 6 + axis], index, one.label)
         panels[3].plot(time, trace[:, 9], **_look(index))
     for axis, axes in enumerate(panels[:3]):
         command = traces[0][:, axis]
-        axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
+        axes.plot(time, command, color=DARK, linewidth=0.9, label="command")
         # What a falling robot does beyond it is cut off.
         low, high = float(command.min()), float(command.max())
         margin = 0.5 * max(high - low, 0.4)
@@ -123,19 +123,11 @@ def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
     return figure
 
 
-def _times(values: np.ndarray, duration: float) -> np.ndarray:
-    """Ends of the control steps [s]."""
-    return duration * np.arange(1, len(values) + 1) / len(values)
-
-
-_PANEL_HEIGHT = 2.1  # height [inch]
-
-
 def draw_tracking(frame: pd.DataFrame) -> Figure:
     """Mean (line) and standard deviation (band) over survivors, of the rows of the report."""
     commands, labels = np.sort(frame["speed"].unique()), frame["label"].unique()
     lines = (len(commands) + 1) // 2
-    figure = new_figure(_PANEL_HEIGHT * lines + 0.4)
+    figure = new_figure(2.1 * lines + 0.4)
     panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
     for axes, command in zip(panels.flat, commands, strict=False):
         for index, label in enumerate(labels):

@@ -128,7 +128,7 @@ def test_a_controller_that_gives_up_leaves_the_others_as_they_are():
     """Robot 2 lies from the start and is not simulated further."""
 
     class Tiring(Stiff):
-        def give_up(self, robots: np.ndarray) -> None:
+        def deactivate(self, robots: np.ndarray) -> None:
             self.given_up = robots
 
     controller = Tiring()

@@ -25,7 +25,7 @@ FORMAT = "slider-policy"
 VERSION = 9
 _ALL = slice(None)  # robots
 MEAN, STD, VARIANCE = (f"obs_normalizer._{name}" for name in ("mean", "std", "var"))
-"""Private names of rsl-rl in the state of an actor; see ``tests/test_private.py``."""
+"""Private names of rsl-rl in the state of an actor."""
 UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
 ACTIVATIONS: dict[str, type[nn.Module]] = {"elu": nn.ELU, "relu": nn.ReLU, "tanh": nn.Tanh}
 

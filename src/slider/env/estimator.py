@@ -67,7 +67,7 @@ class Leg(NamedTuple):
         bodies, geometry = own_bodies(robot), robot.geometry
         tube, below = bodies["tube"], [bodies[n] for n in ("foot", "sole") if n in bodies]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
-        stretch = leg_extension_jacobian(geometry, np.zeros((1, NUM_JOINTS)), 0)[0]
+        extension = leg_extension_jacobian(geometry, np.zeros((1, NUM_JOINTS)), 0)[0]
         damping = [robot.joints[name].damping for name in geometry.leg_joints[:LEG_GAIT_JOINTS]]
         inertia = leg_inertia(robot)[:LEG_GAIT_JOINTS, :LEG_GAIT_JOINTS]
         return cls(
@@ -75,8 +75,8 @@ class Leg(NamedTuple):
             mass=tube.mass + sum(part.mass for part in below),
             moment=tube.mass * depth
             + sum(part.mass * (geometry.leg_length - part.com[2]) for part in below),
-            reflected_mass=float(stretch @ inertia @ stretch),
-            damping=float(stretch**2 @ damping),
+            reflected_mass=float(extension @ inertia @ extension),
+            damping=float(extension**2 @ damping),
         )
 
 

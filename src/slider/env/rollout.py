@@ -41,7 +41,7 @@ class Controller(Protocol):
 class CanFail(Controller, Protocol):
     """A controller that takes time, so that robots that have failed are not simulated further."""
 
-    def give_up(self, robots: np.ndarray) -> None:
+    def deactivate(self, robots: np.ndarray) -> None:
         """Stop controlling ``robots`` (N,); their inputs are zero."""
 
 
@@ -149,7 +149,7 @@ def roll_out(
         contacts.append(touched)
         progress((step + 1) / steps)
         if isinstance(controller, CanFail):
-            controller.give_up(~alive)
+            controller.deactivate(~alive)
             physics.deactivate(~alive)
             if not alive.any():
                 break

@@ -72,7 +72,7 @@ def walk(
         going = alive & (walked < steps)
         if not going.any():
             break
-        controller.give_up(~going)
+        controller.deactivate(~going)
         physics.deactivate(~going)
         walked = np.where(going, controller.memory.steps - 1, walked)
         ticks, distance = ticks + going, distance + going * state.heading_velocity[:, 0]

@@ -147,7 +147,7 @@ def _simulate(
     setup = build(section, inputs, count, disturbance, threads)
     if "control" in section:
         return setup
-    return setup._replace(controller=_GivesUp(setup.controller))
+    return setup._replace(controller=_Deactivatable(setup.controller))
 
 
 def _set_up_exported(
@@ -160,12 +160,12 @@ def _set_up_exported(
     return Setup(load_exported(inputs["policy"][0], robot, env), physics, env)
 
 
-class _GivesUp:
+class _Deactivatable:
     """A policy whose fallen robots need no simulation; its network costs the same with them."""
 
     def __init__(self, controller: Controller) -> None:
         self.reset, self.set_velocity = controller.reset, controller.set_velocity
         self.control = controller.control
 
-    def give_up(self, robots: np.ndarray) -> None:
+    def deactivate(self, robots: np.ndarray) -> None:
         """Do nothing: the roll-out deactivates them."""

@@ -83,7 +83,7 @@ def run(
         "controller": evaluation.controller,
         "speed": speed,
         **({"case": case.name} if profile else {}),
-        "success_rate": rates["success_rate"],
+        **{name: rates[name] for name in ("success_rate", "tracking_rate")},
         "mse_steady": rates["mse_steady"] if robots["survived"].any() else None,
         "blow_ups": int(recording.diverged.sum()),
     }

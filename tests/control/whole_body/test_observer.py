@@ -79,7 +79,7 @@ def test_robots_given_up_leave_the_others_as_they_are():
     both = [Observer(robot_config(), model, gains, COUNT) for _ in range(2)]
     for observer in both:
         observer.reset(measured)
-    both[0].give_up(np.arange(COUNT) == 1)
+    both[0].deactivate(np.arange(COUNT) == 1)
     torques = np.outer(np.arange(1.0, COUNT + 1), np.ones(names.NUM_JOINTS))
     for _ in range(8):
         some, whole = (observer.estimate(measured) for observer in both)

@@ -103,7 +103,7 @@ def terrain_motion(
     robots: np.ndarray,
     footholds: np.ndarray,
     phase: np.ndarray,
-    stretch: np.ndarray,
+    extension: np.ndarray,
     level: float,
 ) -> Orders:
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
@@ -119,7 +119,7 @@ def terrain_motion(
         memory, robots: with the ground; indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
         phase: of the steps (n,).
-        stretch: joints of the stance and the swing leg per length (2, 5).
+        extension: joints of the stance and the swing leg per length (2, 5).
         level: angle of an ankle per pitch of its foot.
     """
     ground = memory.ground.of(robots)
@@ -132,10 +132,10 @@ def terrain_motion(
     orders = np.zeros((3, len(phase), NUM_COORDINATES))
     stance, swing = (slice(first, first + LEG) for first in (STANCE, SWING))
     for order, (lift, share) in enumerate(zip(middle, smooth_step(phase), strict=True)):
-        orders[order][:, stance] = (lift / 2)[:, None] * stretch[0]
-        orders[order][:, swing] = (lift / 2 - rise * share)[:, None] * stretch[1]
+        orders[order][:, stance] = (lift / 2)[:, None] * extension[0]
+        orders[order][:, swing] = (lift / 2 - rise * share)[:, None] * extension[1]
         orders[order, :, SWING + ANKLE] -= turn * share
-    orders[0][:, swing] -= last[:, None] * stretch[1]
+    orders[0][:, swing] -= last[:, None] * extension[1]
     orders[0, :, SWING + ANKLE] -= before
     orders[0, :, STANCE + ANKLE] -= under
     return orders[0], orders[1], orders[2]

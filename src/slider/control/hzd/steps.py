@@ -48,7 +48,7 @@ class HzdSteps(Stepping):
         self._gaits = gaits
         still = np.zeros((1, NUM_JOINTS))
         legs = [leg_extension_jacobian(robot.geometry, still, leg)[0] for leg in range(2)]
-        self._stretch = np.array(legs)  # of the stance leg, of the swing leg in the reflection
+        self._extension = np.array(legs)  # of the stance leg, of the swing leg in the reflection
         self._level = 1.0 / robot.geometry.ankle_direction[1]
         self._signs = driven_signs(robot.geometry)
         self._body, self._period = plant.body, plant.period
@@ -162,7 +162,7 @@ class HzdSteps(Stepping):
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
-        return terrain_motion(memory, robots, footholds, walk.phase, self._stretch, self._level)
+        return terrain_motion(memory, robots, footholds, walk.phase, self._extension, self._level)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
         """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
@@ -221,8 +221,8 @@ class HzdSteps(Stepping):
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.duration * (late > 0)
-        value[:, SWING:] += (sinking * late)[:, None] * self._stretch[1]
-        slope[:, SWING:] += sinking[:, None] * self._stretch[1]
+        value[:, SWING:] += (sinking * late)[:, None] * self._extension[1]
+        slope[:, SWING:] += sinking[:, None] * self._extension[1]
         error, error_rate = value - now.x, slope * rate - now.rate
         desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.hip.at(walk.phase))

@@ -115,10 +115,10 @@ class WalkingController:
         self._stepping.reset(state.num_robots)
         return self._plant.model.evaluate(state.qpos, state.qvel)
 
-    def give_up(self, robots: np.ndarray) -> None:
+    def deactivate(self, robots: np.ndarray) -> None:
         """Switch the drives of ``robots`` (N,) off and observe them no longer."""
         if self._observer is not None:
-            self._observer.give_up(robots)
+            self._observer.deactivate(robots)
         self.memory.mode[robots] = OFF
 
     def set_velocity(self, velocity: np.ndarray) -> None:

@@ -48,7 +48,7 @@ class Observer:
         self._under_way = deque([none] * self._ticks)
         self._acting: np.ndarray | None = None
 
-    def give_up(self, robots: np.ndarray) -> None:
+    def deactivate(self, robots: np.ndarray) -> None:
         """Estimate the states of ``robots`` (N,) no longer."""
         self._given_up |= robots
 

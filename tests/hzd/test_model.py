@@ -8,7 +8,6 @@ from slider.gait.outputs import ANKLE, LEG, driven_signs, stance_first
 from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
 from tests.gait.gaits import config
-from tests.hzd.sample import library, loop
 from tests.robot.lopsided import turned
 
 MODEL = RootedModel(config().robot)
@@ -34,19 +33,6 @@ def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
         (slope * v).sum(axis=1), (ahead.hip - behind.hip) / 2 / size, atol=1e-7
     )
     np.testing.assert_allclose(bend, (ahead.hip_rate - behind.hip_rate) / 2 / size, atol=1e-6)
-
-
-def test_the_impact_is_that_of_the_gaits():
-    for samples, roll in zip(*(library().arrays[n] for n in ("samples", "roll")), strict=True):
-        right = np.arange(42) >= 21
-        q, v = (
-            np.c_[roll[..., k].ravel(), stance_first(samples[:, 12 * k + DRIVEN], right, SIGNS)]
-            for k in range(2)
-        )
-        landed = loop().model.impact_map(q[[20, 41]], v[[20, 41]])
-        np.testing.assert_allclose(landed.q, q[[21, 0]], atol=1e-8)
-        np.testing.assert_allclose(landed.v, v[[21, 0]], atol=1e-8)
-        assert np.abs([landed.pitch, landed.yaw]).max() < 1e-8
 
 
 @pytest.mark.parametrize("robot", [config().robot, turned(True)], ids=["slider", "turned"])

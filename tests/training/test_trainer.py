@@ -33,11 +33,8 @@ TINY = (
     "experiment=test",
     "train.standing.robots=8",
     "train.walking.robots=8",
-    "train.walking.selection.interval=1",
-    "train.standing.selection.duration=0.2",
-    "train.walking.selection.duration=0.2",
-    "train.standing.selection.warm_up=0.1",
-    "train.walking.selection.warm_up=0.1",
+    "train.standing.selection={duration: 0.2, warm_up: 0.1}",
+    "train.walking.selection={interval: 1, duration: 0.2, warm_up: 0.1}",
     "train.standing.ppo.precision=float32",
     "train.walking.ppo.precision=float32",
 )
@@ -50,9 +47,10 @@ KINDS = {
     "warp": ("train.walking", (ROUGH[0], "train.walking.simulator=mujoco_warp")),
 }
 STEPS = 8  # of an iteration of theirs
-SHORT = "{0}.iterations=5 {0}.selection.interval=2 {0}.episode_length=0.4 {0}.robots=8"
-CHECKED = "{0}.selection.robots=1 {0}.selection.duration=0.2 {0}.selection.warm_up=0.1"
-LEARNED = f"{{0}}.steps_per_iteration={STEPS} {{0}}.ppo.precision=float32"
+SHORT = (
+    *("iterations=5", "episode_length=0.4", "robots=8", f"steps_per_iteration={STEPS}"),
+    *("ppo.precision=float32", "selection={interval: 2, robots: 1, duration: 0.2, warm_up: 0.1}"),
+)
 
 
 class Notes(list[tuple[int, dict[str, float]]]):
@@ -76,8 +74,8 @@ def task(training: str = "walking", **changes) -> Task:
 def of_kind(kind: str) -> Task:
     """A task of ``KINDS``: three chunks, in which episodes end."""
     training, overrides = KINDS[kind]
-    tiny = f"{SHORT} {CHECKED} {LEARNED}".format(training).split()
-    whole, table = config(*TINY, *overrides, *tiny), gait_table()
+    short = (f"{training}.{value}" for value in SHORT)
+    whole, table = config(*TINY, *overrides, *short), gait_table()
     train = whole.trainings[training]
     env = replace(whole.env, sensing=train.sensing)
     return Task(whole.robot, env, train, table.times, make_guide(), table.joints)

@@ -49,9 +49,9 @@ def integrating() -> HzdControlConfig:
 
 
 def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
-    """Up a slope that it receives the integral action takes 8 s, on level ground 3 s."""
+    """Up a slope that it receives, where the integral action takes 5 s."""
     text = "terrain={kinds: [slope_up], level: {lower: 4.8, upper: 4.8}}"
-    ground, segment = Disturbance(disturbance(text), (1,)), (9.0, (0.2, 0.0, 0.0))
+    ground, segment = Disturbance(disturbance(text), (1,)), (5.5, (0.2, 0.0, 0.0))
     recording, controller = walk(integrating(), segment, noise=True, drawn=ground, gaits=gaits())
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()

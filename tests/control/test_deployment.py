@@ -128,12 +128,10 @@ def test_a_bad_value_counts_as_the_one_before(default, name, index, bad):
 def test_a_bad_attitude_counts_as_the_one_before_or_upright(default, bad):
     step, session = default
     fresh = np.zeros((1, step.state_size))
-    now, upright = readings(step, 0), readings(step, 0)
-    now["quaternion"], upright["quaternion"] = (
-        np.array([bad], float),
-        np.array([[1.0, 0.0, 0.0, 0.0]]),
+    found, expected = (
+        session.run(None, readings(step, 0) | {"quaternion": [attitude], "state": fresh})
+        for attitude in (np.array(bad, float), np.eye(4)[0])
     )
-    found, expected = (session.run(None, given | {"state": fresh}) for given in (now, upright))
     np.testing.assert_array_equal(found[0], expected[0])
     assert np.isfinite(found[1]).all()
 

@@ -161,7 +161,7 @@ def test_a_fall_ends_it_with_status_1(example, fall, monkeypatch):
         move(robot, targets)
         if data.time > 0.1:
             if fall == "tilted":
-                data.qpos[3:7] = np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0
+                data.qpos[3:7] = np.sqrt([0.5, 0.0, 0.5, 0.0])
             elif fall == "low":
                 data.qpos[2] *= 0.4
             else:  # it begins anew, upright

@@ -2,7 +2,6 @@
 
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
 
 from pipeline.stages.gaits import gait_section, library_job
 from slider.config.schema import Config
@@ -24,7 +23,7 @@ def config(dynamics: str) -> Config:
 @shared.shared
 def solved_gait(velocity: Velocity, dynamics: str = "prismatic") -> Path:
     """Object folder of a gait."""
-    out = Path(mkdtemp(prefix="gait-", dir=shared.folder()))
+    out = shared.new_folder()
     gait_stage.run(gait_section(config(dynamics)) | {"velocity": [*velocity]}, {}, out, Job(out))
     return out
 
@@ -33,7 +32,7 @@ def solved_gait(velocity: Velocity, dynamics: str = "prismatic") -> Path:
 def solved_library(velocities: tuple[Velocity, ...], dynamics: str = "prismatic") -> Path:
     """Object folder of a library."""
     gaits = [solved_gait(velocity, dynamics) for velocity in velocities]
-    out = Path(mkdtemp(prefix="library-", dir=shared.folder()))
+    out = shared.new_folder()
     section = dict(library_job(config(dynamics)).section)
     library_stage.run(section, {"gaits": gaits}, out, Job(out))
     return out

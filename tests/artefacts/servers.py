@@ -20,7 +20,7 @@ from slider.artefacts.remote import Remote
 
 HOST = "cluster"
 """Name of the ssh server in the user's settings."""
-KINDS = ("folder", "s3", "ssh")
+KINDS = ("folder", "url", "s3", "ssh")
 """Kinds of remote that can be written."""
 
 
@@ -34,7 +34,7 @@ def anywhere(kind: str, folder: Path) -> Iterator[Remote]:
         with ssh_server(folder / "home") as url:
             yield Remote(f"{url}{folder}/remote")
     else:
-        yield Remote(str(folder / "remote"))
+        yield Remote(("file://" if kind == "url" else "") + str(folder / "remote"))
 
 
 @contextmanager
@@ -105,4 +105,4 @@ def ssh_server(home: Path) -> Iterator[str]:
         patch.delenv("SSH_AUTH_SOCK", raising=False)
         SSHFileSystem.clear_instance_cache()
         yield f"sftp://{HOST}"
-    loop.call_soon_threadsafe(listener.close)
+    listener.close()

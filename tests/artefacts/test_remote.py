@@ -1,7 +1,8 @@
-"""What is said of remotes that do not work, in one line."""
+"""What is said of remotes that do not work, in one line and in time."""
 
 import errno
 import os
+from unittest.mock import Mock
 
 import fsspec
 import pytest
@@ -39,44 +40,50 @@ def test_unknown_hosts_and_users_are_refused(tmp_path):
             Remote(f"{url}{tmp_path}/remote").open()
 
 
+def test_missing_packages_have_a_name(monkeypatch):
+    missing = Mock(side_effect=ImportError("Install sshfs"))  # as fsspec says it
+    monkeypatch.setattr(fsspec, "url_to_fs", missing)
+    text = r"needs packages: pip install -e '\.\[remote\]' -c constraints\.txt$"
+    with pytest.raises(UserError, match=text):
+        Remote("sftp://host/x").open()
+
+
 @pytest.mark.parametrize("address", ["http://[::1", "http://[::1]:port/x", "quatsch://x"])
 def test_an_address_that_is_none_is_one_line(address):
     with pytest.raises(UserError, match=r"^[^\n]+$"):
         Remote(address).open()
 
 
-@pytest.mark.parametrize("content", ["[]", '{"layout":1}'])
-def test_a_store_of_another_layout(content, tmp_path):
-    (tmp_path / MARKER).write_text(content)
-    with pytest.raises(UserError, match="expected a store of layout 3, found another"):
-        Remote(str(tmp_path)).open()
-
-
-def test_missing_packages_and_full_disks_have_a_name(tmp_path, monkeypatch):
-    remote = Remote(str(tmp_path / "remote"))
+def test_rights_and_full_disks_have_their_place(tmp_path, monkeypatch):
+    remote, new = Remote(str(tmp_path / "remote")), Remote(str(tmp_path / "new"))
     remote.open(create=True)
-    packages = r"Install sshfs; .* pip install -e '\.\[remote\]' -c constraints\.txt$"
-    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), f"{tmp_path}/y")
-    for method, error, message, attempt in (
-        ("get_file", full, f"No space left .*{tmp_path}/y", lambda: remote.get({tmp_path: MARKER})),
-        ("pipe_file", full, "remote: .*No space left", lambda: remote.write("x", b"x")),
-        ("info", ImportError("Install sshfs"), packages, lambda: remote.size("x")),
+    before = sorted((tmp_path / "remote").rglob("*"))
+    here = f"^expected to write {tmp_path}/y, found: No space"
+    for method, number, message, attempt in (
+        ("mkdir", errno.EACCES, r"new: Permission denied$", lambda: new.open(create=True)),
+        # No absence, else a push would replace it.
+        ("info", errno.EACCES, r"remote: Permission denied$", lambda: remote.read(MARKER, 100)),
+        ("get_file", errno.ENOSPC, here, lambda: remote.get({tmp_path / "y": MARKER}, 100)),
+        ("mv", errno.ENOSPC, "remote: No space left", lambda: remote.write("x", "x")),
     ):
 
-        def fail(*_, error=error, **__):
-            raise error
+        def fail(*_, number=number, **__):
+            raise OSError(number, os.strerror(number))
 
         with monkeypatch.context() as patch:
             patch.setattr(FILES, method, fail)
             with pytest.raises(UserError, match=message):
                 attempt()
+    assert sorted((tmp_path / "remote").rglob("*")) == before
 
 
 def test_what_may_not_be_listed_answers_forbidden(tmp_path):
-    """A public bucket does so for what it lacks."""
+    """A public bucket does so for what it lacks; a right that is lost on the way is no absence."""
     with http_server(tmp_path, missing=403) as url:
         remote = Remote(url)
         assert remote.open() is False
-        (tmp_path / MARKER).write_text('{"layout":3}')
+        with pytest.raises(UserError, match=": 403, "):
+            remote.read("results/x", 10)
+        (tmp_path / MARKER).write_text('{"layout": 3}')
         assert remote.open() is True
-        assert remote.read("results/x") is None
+        assert remote.read("results/x", 10) is None

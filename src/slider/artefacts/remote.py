@@ -1,24 +1,38 @@
-"""Files below an address, through fsspec: a folder, ssh, S3, or HTTP to read from."""
+"""Files below an address, through fsspec: a folder, ssh, S3, or HTTP to read from.
 
-import re
+A file becomes visible whole: it is written under another name and moved, or in one step on S3.
+Nothing that arrives is larger than expected, and only plain files are read.
+"""
+
+import json
+import tempfile
+import threading
+import uuid
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 import fsspec
+from fsspec.callbacks import Callback
 from fsspec.config import conf
 
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_written
 
+LAYOUT = 3
 MARKER = "slider-store.json"
+FOLDERS = ("results", "files")
 CONNECTIONS = 16
 """Files that travel at once."""
-_LAYOUT = files.canonical({"layout": 3}).encode()
-_FOLDERS = ("", "results", "files")
-_ABSENT = (403, 410)  # a bucket that may not be listed refuses what it lacks
+_MOVES = ("file", "sftp", "ssh")  # others show a file when it is whole
+_READ_ONLY = ("http", "https")
+_EXTRA = ("s3", "sftp", "ssh", "http", "https")  # with what the extra `remote` installs
+_FORBIDDEN, _GONE = 403, 410
+_MARKER_SIZE = 1000  # at most [bytes]
 _S3 = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
 # Hosts of ~/.ssh/known_hosts only: sshfs by itself accepts any.
 _SSH = {"known_hosts": (), "connect_timeout": 10, "login_timeout": 10, "keepalive_interval": 20}
@@ -31,83 +45,190 @@ for _name in ("sftp", "ssh"):
 T = TypeVar("T")
 
 
+class DamageError(Exception):
+    """Content is not what its name says; the text says what was expected and found."""
+
+
 @dataclass(frozen=True)
 class Remote:
-    """Files below an address; every failure of the way there is one :class:`UserError`."""
+    """Files below an address; every failure of the way there is one :class:`UserError`.
+
+    ``contact_s`` is the time in which it must answer the first question [s].
+    """
 
     url: str
+    contact_s: float = 15.0
 
     def __post_init__(self) -> None:
-        if re.search("://[^/@]*:[^/@]+@", self.url):
+        try:
+            password = urlsplit(self.url).password
+        except ValueError as error:  # such as http://[::1
+            raise UserError(f"remote {self.url}: {error}") from None
+        if password:
             raise UserError(
                 "expected a remote without a password in its address: use a key, the environment "
                 "or the configuration of fsspec"
             )
 
+    @property
+    def _scheme(self) -> str:
+        return urlsplit(self.url).scheme or "file"
+
     def open(self, create: bool = False) -> bool:
         """Tell whether there is a store of ours; make an empty one if asked.
 
         Raises:
-            UserError: the remote does not answer, or has another store.
+            UserError: the remote does not answer in time, has another store, or is to be written
+                and can only be read.
         """
-        marker = self.read(MARKER)
-        if not marker and create:
-            with self._files() as (fs, root):
-                if "file" in fs.protocol:  # the others need no folders, or make them
-                    for name in _FOLDERS:
-                        with suppress(FileExistsError):
-                            fs.mkdir(f"{root}/{name}", create_parents=False)
-            self.write(MARKER, _LAYOUT)
-        elif marker and marker != _LAYOUT:
-            raise UserError(f"remote {self.url}: expected a store of layout 3, found another")
-        return bool(marker) or create
+        if create and self._scheme in _READ_ONLY:
+            raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
+        answer: Future[bytes | None] = Future()
 
-    def read(self, name: str) -> bytes | None:
-        """Content of a small file, if it is there."""
-        return self._ask(lambda fs, root: fs.cat_file(f"{root}/{name}"))
+        def ask() -> None:
+            try:
+                answer.set_result(self.read(MARKER, _MARKER_SIZE))
+            except DamageError:
+                answer.set_result(b"")
+            except UserError as error:
+                answer.set_exception(error)
+
+        # The folder of a server that is switched off hangs; a pool's thread would outlive the wait.
+        threading.Thread(target=ask, daemon=True).start()
+        try:
+            marker = answer.result(self.contact_s)
+        except TimeoutError:
+            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
+        if marker is None:
+            if create:
+                self._make_folders()
+                self.write(MARKER, files.canonical({"layout": LAYOUT}))
+            return create
+        with suppress(ValueError, KeyError, TypeError):
+            if json.loads(marker)["layout"] == LAYOUT:
+                return True
+        raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
+
+    def _make_folders(self) -> None:
+        if self._scheme == "file":  # the others need none, or make them
+            with self._one_line():
+                fs, root = fsspec.url_to_fs(self.url)
+                for name in ("", *FOLDERS):
+                    with suppress(FileExistsError):
+                        fs.mkdir(f"{root}/{name}", create_parents=False)
+
+    def read(self, name: str, limit: int) -> bytes | None:
+        """Content of a small file, if it is there; errors as of ``get``."""
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "copy"
+            return copy.read_bytes() if self.get({copy: name}, limit) else None
+
+    def write(self, name: str, text: str) -> None:
+        """Write a small file in one visible step."""
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "text").write_text(text, encoding="utf-8")
+            self.put({name: Path(folder) / "text"})
 
     def size(self, name: str) -> int | None:
         """Size of a file [bytes], if it is there."""
-        return self._ask(lambda fs, root: fs.info(f"{root}/{name}")["size"])
+        return self._ask(lambda fs, root: fs.info(f"{root}/{name}")["size"], name)
 
-    def get(self, names: Mapping[Path, str]) -> bool:
-        """Copy files here, by their places; tell whether all are there."""
+    def get(self, names: Mapping[Path, str], limit: int) -> bool:
+        """Copy files here, by their places; tell whether all are there.
+
+        Raises:
+            DamageError: one is no plain file, or together they exceed a limit [bytes], where the
+                copy ends.
+        """
 
         def copy(fs: Any, root: str) -> bool:
-            fs.get([f"{root}/{name}" for name in names.values()], [*map(str, names)])
+            paths, targets = [f"{root}/{name}" for name in names.values()], [*map(str, names)]
+            if self._scheme in _MOVES:  # the others hold files only
+                infos = [fs.info(path) for path in paths]
+                if kinds := {info["type"] for info in infos} - {"file"}:
+                    raise DamageError(f"expected a file, found another kind: {kinds.pop()}")
+                _Limit(limit).relative_update(sum(info["size"] for info in infos))
+            try:
+                fs.get(paths, targets, callback=_Limit(limit + len(paths)))
+            except OSError as error:
+                here = error.filename in (None, *targets)
+                if here and (line := not_written(error, Path(targets[0]))):
+                    raise line from None
+                raise
             return True
 
-        return self._ask(copy) or False
-
-    def write(self, name: str, content: bytes) -> None:
-        """Write a small file."""
-        with self._files() as (fs, root):
-            fs.pipe_file(f"{root}/{name}", content)
+        return self._ask(copy, *names.values()) or False
 
     def put(self, sources: Mapping[str, Path]) -> None:
-        """Copy files there, by their names."""
-        with self._files() as (fs, root):
-            fs.put([*map(str, sources.values())], [f"{root}/{name}" for name in sources])
-
-    def _ask(self, question: Callable[[Any, str], T]) -> T | None:
-        with self._files() as (fs, root):
+        """Copy files there, by their names, each in one visible step."""
+        with self._one_line():
+            fs, root = fsspec.url_to_fs(self.url)  # fsspec keeps one file system per address
+            paths = [f"{root.rstrip('/')}/{name}" for name in sources]
+            files = [*map(str, sources.values())]
+            if self._scheme not in _MOVES:
+                fs.put(files, paths)
+                return
+            parts = [f"{path.rpartition('/')[0]}/.{uuid.uuid4().hex}.part" for path in paths]
             try:
-                return question(fs, root)
+                fs.put(files, parts)
+                for part, path in zip(parts, paths, strict=True):
+                    fs.mv(part, path)
+            except BaseException:
+                for part in parts:
+                    with suppress(Exception):
+                        fs.rm_file(part)
+                raise
+
+    def _ask(self, question: Callable[[Any, str], T], *names: str) -> T | None:
+        with self._one_line():
+            fs, root = fsspec.url_to_fs(self.url)
+            fs.invalidate_cache()  # of listings, in which new files lack
+            try:
+                return question(fs, root.rstrip("/"))
             except Exception as error:
-                absent = isinstance(error, FileNotFoundError | PermissionError)
-                if absent or getattr(error, "status", None) in _ABSENT:
+                status = getattr(error, "status", None)
+                if isinstance(error, FileNotFoundError) or status == _GONE:
+                    return None
+                # A bucket that may not be listed, maybe behind HTTP, refuses what it lacks. It
+                # still gives the marker, unless it is that which it lacks.
+                refused = isinstance(error, PermissionError) or status == _FORBIDDEN
+                bucket = self._scheme in (*_READ_ONLY, "s3")
+                if refused and bucket and (MARKER in names or self.size(MARKER) is not None):
                     return None
                 raise
 
     @contextmanager
-    def _files(self) -> Iterator[tuple[Any, str]]:
-        """File system and root; one line for whatever the many libraries behind fsspec raise."""
+    def _one_line(self) -> Iterator[None]:
+        """One line for whatever the many libraries behind fsspec raise."""
         try:
-            fs, root = fsspec.url_to_fs(self.url)
-            fs.invalidate_cache()  # of listings, in which new files lack
-            yield fs, root.rstrip("/")
+            yield
+        except (UserError, DamageError):
+            raise
+        except ImportError as error:
+            extra = self._scheme in _EXTRA
+            text = "pip install -e '.[remote]' -c constraints.txt" if extra else str(error)
+            raise UserError(f"remote {self.url}: its kind needs packages: {text}") from None
         except Exception as error:
-            text = next(iter(str(error).strip().splitlines()), type(error).__name__)
-            if isinstance(error, ImportError):
-                text += "; for s3, ssh and http: pip install -e '.[remote]' -c constraints.txt"
+            lines = str(getattr(error, "strerror", None) or error).strip().splitlines()
+            text = lines[0] if lines else type(error).__name__
             raise UserError(f"remote {self.url}: {text}") from None
+
+
+class _Limit(Callback):
+    """Ends copies that together exceed a limit [bytes], as an endless answer does.
+
+    fsspec counts one more for each file.
+    """
+
+    def __init__(self, limit: int) -> None:
+        super().__init__()
+        self._limit = limit
+
+    def branched(self, *_: Any, **__: Any) -> Callback:
+        """Count the bytes of all copies together."""
+        return self
+
+    def call(self, hook_name: str | None = None, **_: Any) -> None:
+        """Compare the bytes that came."""
+        if self.value > self._limit:
+            raise DamageError(f"expected {self._limit} bytes, found more")

@@ -13,16 +13,21 @@ from slider.core import files
 
 _SOURCE = Path(__file__).parent
 _START = "current/started"
+_NUMBERS = ("wall_s", "cpu_s", "solve_cpu", "size")
+_TIMES = ("started", "ended", "pipeline_started")
 
 
 def validate_metadata(values: Any) -> dict[str, Any]:
     """Run metadata of plain values, such as those of a file or a remote.
 
     Raises:
-        ValueError: they are no table of numbers and texts.
+        ValueError: they are no table of numbers and texts, or a number or time is none.
     """
     if isinstance(values, dict) and all(isinstance(v, int | float | str) for v in values.values()):
-        return values
+        for time in filter(None, map(values.get, _TIMES)):
+            datetime.fromisoformat(str(time))
+        if all(isinstance(values.get(name, 0.0), int | float) for name in _NUMBERS):
+            return values
     raise ValueError("expected a table of numbers and texts")
 
 

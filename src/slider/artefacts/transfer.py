@@ -8,6 +8,7 @@ elsewhere it waits in the index of the store until such inputs are computed.
 """
 
 import json
+import shutil
 import uuid
 from collections import Counter
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ from typing import Any
 
 from slider.artefacts.manifest import Manifest, Result, manifest_from, plain_manifest, readable
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.remote import CONNECTIONS, Remote
+from slider.artefacts.remote import CONNECTIONS, DamageError, Remote
 from slider.artefacts.run_metadata import validate_metadata
 from slider.artefacts.store import Store, Timeout, exclusive
 from slider.core import files
@@ -28,13 +29,10 @@ from slider.core.files import FileEntry
 
 Jobs = Mapping[str, JobSpec]
 """Jobs by recipe, inputs first."""
-Shared = tuple[Manifest, dict[str, Any]]
+Shared = tuple[Manifest, Mapping[str, Any]]
 """A result in a remote: its manifest and run metadata."""
 _METADATA = "run_metadata"  # of a result, beside the entries of its manifest
-
-
-class DamageError(Exception):
-    """Content is not what its name says; the text says what was expected and found."""
+_RESULT_SIZE = 16_000_000  # of a manifest, at most [bytes]
 
 
 @dataclass
@@ -45,13 +43,15 @@ class TransferReport:
     size: int = 0
     damage: list[str] = field(default_factory=list)
 
-    def add(self, job: JobSpec, outcome: str | DamageError, size: int = 0) -> None:
-        """Count one result, and describe its damage."""
-        if isinstance(outcome, DamageError):
-            self.damage.append(f"{job.label} ({job.recipe[:12]}): damaged {outcome}")
-            outcome = "damaged"
+    def add(self, outcome: str, size: int = 0) -> None:
+        """Count one result."""
         self.counts[outcome] += 1
         self.size += size
+
+    def add_damaged(self, job: JobSpec, text: str) -> None:
+        """Count a damaged result and describe the damage."""
+        self.add("damaged")
+        self.damage.append(f"{job.label} ({job.recipe[:12]}): damaged {text}")
 
     def __str__(self) -> str:
         counts = ", ".join(f"{number} {outcome}" for outcome, number in self.counts.items())
@@ -70,8 +70,11 @@ def push(store: Store, jobs: Jobs, remote: Remote, force: bool = False) -> Trans
     report = TransferReport()
     with _no_clean_up(store), ThreadPoolExecutor(CONNECTIONS) as pool:
         outcomes = pool.map(partial(_push, store, remote, force), jobs.values())
-        for job, outcome in zip(jobs.values(), outcomes, strict=True):
-            report.add(job, *outcome)
+        for job, (outcome, size) in zip(jobs.values(), outcomes, strict=True):
+            if outcome == "damaged":
+                report.add_damaged(job, "here: run `slider store verify`")
+            else:
+                report.add(outcome, size)
     return report
 
 
@@ -83,14 +86,20 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> TransferReport:
     """
     report = TransferReport()
     missing = [job for job in jobs.values() if store.verify(job.stage, job.recipe) is None]
-    if missing and not remote.open():
+    if not missing:
+        return report
+    if not remote.open():
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
     with _no_clean_up(store), ThreadPoolExecutor(CONNECTIONS) as pool:
         arrivals = pool.map(partial(_fetch, store, remote), missing)
-        for job, (shared, size) in zip(missing, arrivals, strict=True):
-            if isinstance(shared, tuple):
-                shared = _accept(store, job, *shared, remote.url)
-            report.add(job, shared, size)
+        for job, arrival in zip(missing, arrivals, strict=True):
+            if isinstance(arrival, DamageError):
+                report.add_damaged(job, f"in {remote.url}: {arrival}")
+            elif arrival is None:
+                report.add("not there")
+            else:
+                shared, size = arrival
+                report.add(_accept(store, job, shared, remote.url), size)
     return report
 
 
@@ -98,13 +107,13 @@ def _no_clean_up(store: Store) -> AbstractContextManager[None]:
     return exclusive(store.locks, f"transfer-{uuid.uuid4().hex[:12]}")
 
 
-def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str | DamageError, int]:
+def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str, int]:
     """Send one result; return the outcome and the bytes that went."""
     manifest = readable(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
         return "not here", 0
     if not store.is_whole(manifest.result.object):
-        return DamageError("here: run `slider store verify`"), 0
+        return "damaged", 0
     with suppress(DamageError):
         if not force and (shared := _look_up(remote, job)):
             same = shared[0].result == manifest.result
@@ -113,11 +122,11 @@ def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str 
     lacking = {
         _file(entry): folder / name
         for name, entry in manifest.result.files.items()
-        if force or remote.size(_file(entry)) != entry.size  # a killed push leaves a part
+        if force or remote.size(_file(entry)) != entry.size
     }
     remote.put(lacking)
     values = plain_manifest(manifest) | {_METADATA: store.metadata(job.stage, job.recipe)}
-    remote.write(_result(job), files.canonical(values).encode())
+    remote.write(_result(job), files.canonical(values))
     return "sent", sum(path.stat().st_size for path in lacking.values())
 
 
@@ -127,7 +136,7 @@ def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
     Raises:
         DamageError: something else is there.
     """
-    content = remote.read(_result(job))
+    content = remote.read(_result(job), _RESULT_SIZE)
     if content is None:
         return None
     try:
@@ -136,25 +145,23 @@ def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
         manifest = manifest_from(values)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise DamageError("expected a manifest, found something else") from None
-    names = (manifest.stage, manifest.recipe, manifest.inputs, [*manifest.input_objects])
-    if names != (job.stage, job.recipe, job.input_recipes, [*job.inputs]):
+    names = (manifest.stage, manifest.recipe, manifest.inputs)
+    checked = manifest.input_objects.keys() == job.inputs.keys()
+    if names != (job.stage, job.recipe, job.input_recipes) or not checked:
         raise DamageError("expected the manifest of this job, found that of another")
     return manifest, metadata
 
 
-def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared | str | DamageError, int]:
+def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | DamageError | None:
     """Publish the object of a job's result, if it is there; return also the bytes that came."""
     try:
         shared = _look_up(remote, job)
-        if shared is None:
-            return "not there", 0
-        result = shared[0].result
-        if store.is_whole(result.object):
-            return shared, 0
-        _take(store, remote, result)
-        return shared, result.size
+        if shared is None or store.is_whole(shared[0].result.object):
+            return shared and (shared, 0)
+        _take(store, remote, shared[0].result)
+        return shared, shared[0].result.size
     except DamageError as error:
-        return DamageError(f"in {remote.url}: {error}"), 0
+        return error
 
 
 def _take(store: Store, remote: Remote, result: Result) -> None:
@@ -164,29 +171,37 @@ def _take(store: Store, remote: Remote, result: Result) -> None:
         DamageError: a file is missing, or is not what the manifest says.
     """
     with store.temporary("transfer") as folder:
+        free = shutil.disk_usage(folder).free
+        if result.size > free:
+            raise DamageError(f"expected at most {free} bytes, found {result.size}")
         wanted = {folder / name: _file(entry) for name, entry in result.files.items()}
         for path in wanted:
             path.parent.mkdir(parents=True, exist_ok=True)
-        if not remote.get(wanted):
+        if not remote.get(wanted, result.size):
             raise DamageError("expected all files, found fewer")
         if (found := files.digest_table(files.file_table(folder))) != result.object:
             raise DamageError(f"expected object {result.object[:12]}, found {found[:12]}")
         store.publish(folder, result.summary)
 
 
-def _accept(
-    store: Store, job: JobSpec, manifest: Manifest, metadata: dict[str, Any], origin: str
-) -> str:
+def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
     """Write what leads to an object, unless a job computes the result or did so meanwhile."""
+    manifest, metadata = shared
     try:
         with exclusive(store.locks, job.recipe, timeout=0):
             if present := store.verify(job.stage, job.recipe):
-                return "taken" if present.result == manifest.result else "computed here"
+                same = present.result.object == manifest.result.object
+                return "taken" if same else "computed here"
             if store.find(key := job.key(manifest.input_objects)) is None:
                 store.put_index(key, manifest)
             noted = {**metadata, "computed": False, "taken_from": origin}
             files.write_json(store.metadata_path(job.stage, job.recipe), noted)
-            if store.input_objects(job) != manifest.input_objects:
+            inputs = {
+                name: [store.verify(item.stage, item.recipe) for item in items]
+                for name, items in job.inputs.items()
+            }
+            objects = {n: [m and m.result.object for m in group] for n, group in inputs.items()}
+            if objects != manifest.input_objects:
                 return "of other inputs"
             store.write_manifest(manifest)
             return "taken"

@@ -1,10 +1,12 @@
 """Lines of a run for people: one per finished job, one for jobs that run long."""
 
+import math
 import sys
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from typing import Any
 
 from slider.artefacts.forecast import expected, known_rates
 from slider.artefacts.plan import Plan
@@ -12,6 +14,11 @@ from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
+_SHOWN = {
+    "success_rate": "success [%]",
+    "tracking_rate": "tracking [%]",
+    "mse_steady": "MSE [m²/s²]",
+}
 
 
 def _print(line: str) -> None:
@@ -56,6 +63,11 @@ class Progress:
             took = computed_seconds(self._store.metadata(job.stage, recipe), began)
             self._ended.add(recipe)
             self._line(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
+        if job.stage == "table1":
+            items = [(item.stage, item.recipe) for item in job.inputs["evaluations"]]
+            summaries = [self._store.read_manifest(*item).result.summary for item in items]
+            _print(table(job.section["labels"], summaries))
+            _print("reports/table1.md has intervals and the paper's rows")
 
     def _line(self, text: str) -> None:
         """Write the jobs done, the time left, and a text."""
@@ -92,9 +104,26 @@ class Progress:
 
 
 def duration(seconds: float) -> str:
-    """A time as people say it."""
+    """Duration as text."""
     if seconds < 60:
         return f"{max(5, 5 * round(seconds / 5))} s"
     if seconds < 90 * 60:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
+
+
+def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> str:
+    """Success, tracking and error of evaluations: a column per speed."""
+    import pandas as pd
+
+    from slider.reports.quantities import QUANTITIES
+
+    cells = {(summary["controller"], summary["speed"]): summary for summary in summaries}
+    speeds = sorted({summary["speed"] for summary in summaries})
+    rows = []
+    for controller in dict.fromkeys(summary["controller"] for summary in summaries):
+        for name, title in _SHOWN.items():
+            values = [cells.get((controller, speed), {}).get(name, math.nan) for speed in speeds]
+            texts = [QUANTITIES[name].text(math.inf if v is None else v) for v in values]
+            rows.append([labels.get(controller, controller), title, *texts])
+    return pd.DataFrame(rows, columns=["speed [m/s]", "", *speeds]).to_string(index=False)

@@ -102,7 +102,7 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     numbers = {"n": 1.5, "run/wall_s": 2.5, "run/solve_cpu": 0.5}
     assert library.data.metrics.items() >= numbers.items()
     names = {item.path for item in client.list_artifacts(library.info.run_id)}
-    assert names == {"table.csv"}
+    assert names == {"gaits.json", "table.csv"}
 
     assert experiment.tags["mlflow.experimentKind"] == "custom_model_development"
 

@@ -23,7 +23,7 @@ from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.run_metadata import computed_seconds
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
-from slider.core.files import flatten
+from slider.core.files import flatten, plain
 
 DATABASE = "mlflow.db"  # below artefacts/
 LATEST = "current/runs"  # part of the address of the latest pipeline's runs
@@ -178,7 +178,7 @@ class Tracking:
         self._client.set_terminated(run.id, status, end_time=now)
 
     def _log_result(self, run: _Run, metadata: Mapping[str, Any], now: int) -> None:
-        """Write what a job led to: its numbers and files."""
+        """Write what a job led to: its numbers and files, and a table of its gaits."""
         from mlflow.entities import RunTag
 
         job, store, client = run.job, self._store, self._client
@@ -190,6 +190,8 @@ class Tracking:
         names = sorted({name.partition("/")[0] for name in result.files})
         tags = [RunTag("object", result.object), RunTag("object.path", path)]
         client.log_batch(run.id, _metrics(now, 0, noted), tags=tags)
+        if gaits := [item for item in job.needs if item.stage == _MANY]:
+            client.log_table(run.id, _table(store, gaits), f"{_MANY}s.json")
         for name in names:
             if name.endswith(_SHOWN):
                 client.log_artifact(run.id, str(folder / name))
@@ -233,6 +235,16 @@ def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:
     from mlflow.entities import Metric
 
     return [Metric(name, value, time, step) for name, value in values.items()]
+
+
+def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
+    """Summaries of jobs and numbers of their computations, a column each."""
+    rows = [
+        store.read_manifest(job.stage, job.recipe).result.summary
+        | _numbers(store.metadata(job.stage, job.recipe))
+        for job in jobs
+    ]
+    return {name: plain([row.get(name) for row in rows]) for name in rows[0]}
 
 
 def _numbers(metadata: Mapping[str, Any]) -> dict[str, float]:

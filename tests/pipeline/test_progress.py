@@ -5,10 +5,12 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Progress
+from pipeline.progress import Progress, table
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.store import Store
 from tests.artefacts.samples import CODE, compute
+
+RATES = {"success_rate": 1.0, "tracking_rate": 0.5}
 
 
 def evaluation(stage: str, controller: str, speed: float) -> JobSpec:
@@ -21,7 +23,8 @@ def run(tmp_path, monkeypatch):
     """Two evaluations of the policy, one of a baseline, the table; time stands still."""
     jobs = [evaluation("evaluation", "policy", speed) for speed in (0.2, 0.4)]
     jobs.append(evaluation("baseline", "hzd", 0.2))
-    table1 = JobSpec("table1", "table 1", CODE, {}, {"evaluations": jobs})
+    labels = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
+    table1 = JobSpec("table1", "table 1", CODE, labels, {"evaluations": jobs})
     plan, store = build_plan({"table1": table1}), Store(tmp_path)
     lines: list[str] = []
     now = [1000.0]
@@ -38,11 +41,12 @@ def finish(
     shown.began(job.recipe)
     now[0] += seconds
     ended = datetime.fromtimestamp(now[0] - ago, UTC).isoformat()
-    compute(store, job, metadata={"computed": computed, "ended": ended, "wall_s": seconds})
+    summary = {**job.section, **RATES, "mse_steady": 0.25}
+    compute(store, job, "", summary, {"computed": computed, "ended": ended, "wall_s": seconds})
     shown.ended(job.recipe)
 
 
-def test_a_line_per_job(run, tmp_path):
+def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
     shown, jobs, lines, _ = run
     finish(run, tmp_path, jobs[0], 30.0)
     assert lines[0].startswith("[1/4  about")
@@ -54,7 +58,9 @@ def test_a_line_per_job(run, tmp_path):
     table1 = shown._plan.targets["table1"]
     shown.began(table1)
     shown.ended(table1)
-    assert lines[-1].startswith("[4/4] table 1")
+    assert lines[-3].startswith("[4/4] table 1")
+    assert "HZD tracking [%]" in " ".join(lines[-2].split())
+    assert lines[-1].startswith("reports/table1.md")
 
 
 def test_a_result_of_an_earlier_run_is_reused(run, tmp_path):
@@ -92,3 +98,20 @@ def test_the_time_left_is_the_sum_over_the_cores_or_the_longest_job(run):
     assert shown.left() == pytest.approx(57.0 / 2)
     shown.ended(jobs[2].recipe)
     assert shown.left() == 20.0
+
+
+def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
+    policy = {"controller": "policy", **RATES}
+    fallen = {"controller": "hzd", **dict.fromkeys(RATES, 0.0)}
+    summaries = [
+        policy | {"speed": 0.2, "mse_steady": 0.00123},
+        policy | {"speed": 0.4, "mse_steady": 1.5},
+        fallen | {"speed": 0.2, "mse_steady": None},
+    ]
+    lines = [line.split() for line in table({"policy": "ours"}, summaries).splitlines()]
+    assert lines[0] == ["speed", "[m/s]", "0.2", "0.4"]
+    assert lines[1] == ["ours", "success", "[%]", "100", "100"]
+    assert lines[2] == ["ours", "tracking", "[%]", "50", "50"]
+    assert lines[3][-2:] == ["0.00123", "1.50"]
+    assert lines[4] == ["hzd", "success", "[%]", "0", "–"]
+    assert lines[6][-2:] == ["∞", "–"]

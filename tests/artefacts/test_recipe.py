@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.recipe import ABSENT, closure, code_of, versions
+from slider.artefacts.recipe import NOT_INSTALLED, closure, code_of, versions
 from slider.core.errors import UserError
 
 FILES = {
@@ -127,7 +127,7 @@ def test_version_by_package_name_even_where_the_distribution_is_called_otherwise
     """Pinocchio lies below a prefix; some packages are optional."""
     names = {"casadi": "casadi", "rsl_rl": "rsl-rl-lib", "yaml": "PyYAML", "pinocchio": "pin"}
     expected = {package: metadata.version(name) for package, name in names.items()}
-    expected |= {"no_such_package": ABSENT}
+    expected |= {"no_such_package": NOT_INSTALLED}
     assert expected.items() <= versions((*expected,)).items()
 
 

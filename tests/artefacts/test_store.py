@@ -10,7 +10,7 @@ import pytest
 
 from slider.artefacts.maintenance import verify
 from slider.artefacts.manifest import Manifest, parse_manifest
-from slider.artefacts.store import Timeout, exclusive, nobody_else
+from slider.artefacts.store import Timeout, exclusive, exclusive_store
 from slider.core.errors import UserError
 from tests.artefacts.samples import GAITS, compute, damage, data, forge
 
@@ -125,10 +125,10 @@ def test_a_name_is_held_until_its_process_ends_however_it_does(tmp_path: Path):
         pass
     message = f"^expected no running job in {tmp_path.parent}, found one$"
     with exclusive(tmp_path, "y"), pytest.raises(UserError, match=message):
-        nobody_else(tmp_path).__enter__()
+        exclusive_store(tmp_path).__enter__()
     holder.kill()
     holder.join()
-    with nobody_else(tmp_path):
+    with exclusive_store(tmp_path):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["all.lock"]
     with exclusive(tmp_path, "x"):

@@ -101,6 +101,18 @@ def test_a_gait_starts_from_its_anchor_with_multipliers(gait, tmp_path: Path):
     assert report["iterations"] < 0.75 * cold["iterations"]
 
 
+def test_the_order_of_gaits_changes_no_byte(tmp_path: Path):
+    """As after a kill: the neighbours of an anchor forwards and backwards, in one process."""
+    anchor, found = {"anchor": [solved_gait((0.6, 0.0, 0.0))]}, []
+    for name, order in ("forwards", [0.05, 0.1]), ("backwards", [0.1, 0.05]):
+        for vy in order:
+            out = tmp_path / name / f"{vy}"
+            out.mkdir(parents=True)
+            run(section(0.6, vy), anchor, out, Job(out))
+        found.append([contents(tmp_path / name / f"{vy}") for vy in (0.05, 0.1)])
+    assert found[0] == found[1]
+
+
 def test_gait_jobs_import_what_they_need():
     code = "import sys, slider.gait.stage; print(*{m.partition('.')[0] for m in sys.modules})"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

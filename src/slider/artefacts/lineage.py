@@ -13,7 +13,7 @@ from slider.artefacts.store import Store
 NEVER = "never computed"
 LOST = "object damaged or missing"
 _WIDTH = 40  # characters of a value
-_ABSENT = object()
+_MISSING = object()
 
 
 def differences(
@@ -105,7 +105,7 @@ def _causes(old: JobSpec, new: JobSpec) -> list[str]:
 
 
 def _brief(value: Any) -> str:
-    if value is _ABSENT:
+    if value is _MISSING:
         return "none"
     text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…"
@@ -118,6 +118,6 @@ def _leaves(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]
             yield name.removesuffix("."), old, new
         return
     for key in dict.fromkeys([*new, *old]):
-        yield from _leaves(old.get(key, _ABSENT), new.get(key, _ABSENT), f"{name}{key}.")
+        yield from _leaves(old.get(key, _MISSING), new.get(key, _MISSING), f"{name}{key}.")
     if {*old} == {*new} and [*old] != [*new]:  # the order of terms has a meaning
         yield f"{name}order", [*old], [*new]

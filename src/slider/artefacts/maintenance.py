@@ -8,7 +8,7 @@ from pathlib import Path
 
 from slider.artefacts.manifest import readable
 from slider.artefacts.plan import plan_paths
-from slider.artefacts.store import Store, nobody_else
+from slider.artefacts.store import Store, exclusive_store
 from slider.core import files
 from slider.core.errors import require
 
@@ -19,12 +19,12 @@ def verify(store: Store) -> list[str]:
     Raises:
         UserError: a job is running, or something cannot be read.
     """
-    with nobody_else(store.locks):
+    with exclusive_store(store.locks):
         return drop_damaged(store, store.manifests())
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path], dry_run: bool = False) -> list[str]:
-    """Remove those of some manifests that lead to no whole object; describe what is the matter.
+    """Remove those of some manifests that lead to no whole object; describe the damage.
 
     Results that came from a damaged object stay: its content was checked when they were computed,
     so that was before the damage. The object is replaced when it is computed again.
@@ -54,7 +54,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> list[str]:
         UserError: a job is running, or no plan would be kept.
     """
     require(keep >= 1, "--keep", "at least 1 plan", keep)
-    with nobody_else(store.locks):
+    with exclusive_store(store.locks):
         plans = plan_paths(store.root / "plans")
         recipes = {digest for path in plans[:keep] for digest in _digests(path)}
         manifests, reachable = [], set[str]()

@@ -20,7 +20,7 @@ from slider.core.errors import UserError
 from slider.core.files import digest_file, digest_text
 
 SOURCE_ROOT = Path(slider.__file__).parent.parent
-ABSENT = "absent"
+NOT_INSTALLED = "absent"
 DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
 """Endings of data files, which a source digest covers where they lie beside its modules."""
 Groups = Mapping[str, Sequence[str]]
@@ -168,7 +168,7 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
 def _version(package: str) -> str:
     """Version of the distribution that provides a package: its metadata are parsed each time."""
     found = distribution(package)
-    return found.version if found else ABSENT
+    return found.version if found else NOT_INSTALLED
 
 
 def distribution(package: str) -> metadata.Distribution | None:

@@ -199,7 +199,7 @@ class Remote:
 
     @contextmanager
     def _one_line(self) -> Iterator[None]:
-        """One line for whatever the many libraries behind fsspec raise."""
+        """Errors of fsspec's backends as one line."""
         try:
             yield
         except (UserError, DamageError):

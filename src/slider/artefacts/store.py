@@ -35,7 +35,7 @@ from slider.core import files
 from slider.core.errors import UserError, not_read
 
 ARTEFACTS = "artefacts"
-_GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
+_GATE = "all"  # held with all locks, so that no new one is taken
 
 
 @dataclass(frozen=True)
@@ -240,7 +240,7 @@ def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
 
 
 @contextmanager
-def nobody_else(folder: Path) -> Iterator[None]:
+def exclusive_store(folder: Path) -> Iterator[None]:
     """Hold every lock at once.
 
     Raises:

@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     progress = store.progress_path(spec.stage, spec.recipe).absolute()
 
     def show(message: str) -> None:
-        """Progress goes to the log, its latest line to a file, for who shows the run."""
+        """Progress goes to the log, its latest line to a file, for the display of the run."""
         print(message, flush=True)
         progress.parent.mkdir(parents=True, exist_ok=True)
         progress.write_text(message, encoding="utf-8")

@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fill each table whose report is there and mark those of another plan; or list the latter.
 
-    What misses is said on stderr.
+    Missing reports are listed on stderr.
     """
     pages = arguments.pages or [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]
     fill = partial(_filled, arguments.reports, Store(arguments.artefacts))
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def changed_since(block: str) -> str:
-    """What of a table's plan today's plan has otherwise; empty where nothing, or never filled."""
+    """Which part of a table's plan has changed since; empty where nothing, or never filled."""
     origin = _ORIGIN.search(block)
     if origin is None:
         return ""

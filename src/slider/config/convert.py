@@ -45,7 +45,7 @@ def setting(values: Mapping[str, Any], name: str) -> float | None:
 
 
 def with_settings(values: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Nested values with others at dotted names that there are."""
+    """Nested values with some replaced, by existing dotted names."""
     changed = copy.deepcopy(dict(values))
     for name, value in settings.items():
         *groups, last = name.split(".")

@@ -52,7 +52,7 @@ _NO_MEMORY = re.compile(r"(can't|not) allocate memory|bad_alloc|out of memory", 
 def not_written(error: BaseException, place: Path) -> UserError | None:
     """Line about an error that comes from a place that cannot be written; None for other errors.
 
-    ``place`` is named where the error names none. What is no matter of disks, such as a missing
+    ``place`` is named where the error names none. Errors unrelated to disks, such as a missing
     right, counts below ``place`` and the other folders that the pipeline writes.
     """
     for cause in _chain(error):
@@ -67,7 +67,7 @@ def not_written(error: BaseException, place: Path) -> UserError | None:
 
 
 def no_memory(error: BaseException) -> UserError | None:
-    """Line about an error of whoever got no memory; None for other errors."""
+    """Line about a failed memory allocation; None for other errors."""
     for cause in _chain(error):
         if isinstance(cause, MemoryError) or _NO_MEMORY.search(str(cause)):
             found = next(iter(str(cause).splitlines()), "") or "none"

@@ -78,8 +78,10 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
         # The camera follows with a lag: it begins to move a second before.
         shown = frames[round((_WARM_UP - 1.0) / scene.motion.period) :: every]
         rendered = _render(scene, shown, _TILE, tile.camera)
-        parts = zip(rendered, _facts(tile, shown), shown, strict=True)
-        pictures = [film.annotate(seen, tile.title, facts, at.failed) for seen, facts, at in parts]
+        parts = zip(rendered, _subtitle(tile, shown), shown, strict=True)
+        pictures = [
+            film.annotate(seen, tile.title, subtitle, at.failed) for seen, subtitle, at in parts
+        ]
         columns.append(pictures[_FRAME_RATE:])
         fallen |= frames[-1].failed
     pictures = []
@@ -115,7 +117,7 @@ def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:
     return frames + [frames[-1]] * (round(seconds / scene.motion.period) + 1 - len(frames))
 
 
-def _facts(tile: Tile, frames: list[Frame]) -> list[str]:
+def _subtitle(tile: Tile, frames: list[Frame]) -> list[str]:
     """Commanded speed, and the mean of the last second, at each of the frames."""
     speeds = np.cumsum([frame.velocity[0] for frame in frames])
     speeds[_FRAME_RATE:] -= speeds[:-_FRAME_RATE].copy()

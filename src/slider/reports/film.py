@@ -85,11 +85,11 @@ def render(
         ) from None
 
 
-def annotate(picture: np.ndarray, title: str, facts: str, alarm: bool) -> Image.Image:
-    """Write a title and a line of facts onto the lower left corner of a picture, on the floor."""
+def annotate(picture: np.ndarray, title: str, subtitle: str, alarm: bool) -> Image.Image:
+    """Write title and subtitle onto the lower left corner of a picture, on the floor."""
     image = Image.fromarray(picture)
     unit = max(8, image.height // 22)
-    font, text = ImageFont.load_default(unit), f"{title}\n{facts}"
+    font, text = ImageFont.load_default(unit), f"{title}\n{subtitle}"
     draw = ImageDraw.Draw(image, "RGBA")
     _, _, right, bottom = draw.textbbox((unit, 0), text, font, spacing=unit // 2)
     top = image.height - bottom - 1.2 * unit

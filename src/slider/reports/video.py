@@ -45,9 +45,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     for frame, picture in zip(shown, pictures, strict=True):
         fallen |= frame.failed
         title = section["label"] + (", fallen" if fallen else "")
-        facts = f"command {section['speed']:.2f} m/s   actual {frame.velocity[0]:z.2f} m/s"
-        facts += f"   t = {frame.time:.1f} s"
-        images.append(film.annotate(picture, title, facts, fallen))
+        subtitle = f"command {section['speed']:.2f} m/s   actual {frame.velocity[0]:z.2f} m/s"
+        subtitle += f"   t = {frame.time:.1f} s"
+        images.append(film.annotate(picture, title, subtitle, fallen))
     film.write(images, video, out / FILM)
     poster = images[min(len(images) - 1, round(_POSTER_TIME * video.frame_rate))]
     poster.save(out / POSTER, quality=80)

@@ -1,6 +1,6 @@
 """A model file (MJCF or URDF) compiled by MuJoCo, without what an import does not need.
 
-A stranger's file may lack masses or meshes; what is mended or lost is named.
+Files may lack masses or meshes. Repairs and losses are reported.
 """
 
 # mujoco has no type stubs for its compiled part.

@@ -152,7 +152,7 @@ def _compare(
 
 
 def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
-    """Refuse a left leg on the right, with the cause as the foot, below ``last``, tells it."""
+    """Refuse a left leg on the right; the foot, below ``last``, tells the probable cause."""
     heavy = last.body.mass > LEAST_MASS
     ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
     cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"

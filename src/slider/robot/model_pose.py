@@ -17,8 +17,8 @@ from slider.core.errors import require
 MAX_OFFSET = 1e-3  # of an ankle from the line below the pitch axis [m]
 LEVEL = 0.02  # that a sole may be off [rad]
 _FAR = 0.2  # of a typed foot from the model's own zero, which is then not level [rad]
-_CLOSE = 1e-5  # that a solved pose misses [rad], [m]
-_BEND = 0.5  # of knees of which nothing else is said [rad]
+_CLOSE = 1e-5  # tolerance of a solved pose [rad], [m]
+_BEND = 0.5  # default bend of knees [rad]
 
 
 class LegPose:
@@ -65,7 +65,7 @@ class LegPose:
             leg, shank = self._sides()
             off = np.linalg.norm(np.cross(leg, shank)) / (leg @ leg)
             bends = bool(off < LEAST_BEND)
-        far = "ankle" in typed and self.turned() > _FAR
+        far = "ankle" in typed and self.foot_rotation() > _FAR
         level = self._foot(data) if far else self._level
         start = {name: float(data.qpos[self._place(name)]) for name in self._joints}
         if bends and self._knee:
@@ -92,7 +92,7 @@ class LegPose:
         now = {name: float(data.qpos[self._place(name)]) for name in self._joints}
         return {name: value for name, value in now.items() if value != start[name]}
 
-    def turned(self) -> float:
+    def foot_rotation(self) -> float:
         """Angle of the foot between the data's pose and the model's own zero [rad]."""
         return float(Rotation.from_matrix(self._foot(self._data) @ self._level.T).magnitude())
 

@@ -123,7 +123,7 @@ class ModelTree:
                 self._zero[joints[name]] = self.solved[names[name]] = angle
             legs.append(leg)
         mujoco.mj_kinematics(model, self._data)
-        self.foot_rotation = legs[0].turned()
+        self.foot_rotation = legs[0].foot_rotation()
         mujoco.mj_comPos(model, self._data)
         self._turn = forward @ self._data.xmat[self._base].reshape(3, 3).T
         self._origin = self._data.xpos[self._base].copy()
@@ -402,7 +402,7 @@ def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
 
 
 def relative(difference: Any, size: float) -> float:
-    """Largest element in units of ``size``; infinite where it is no number."""
+    """Largest element in units of ``size``; infinite for NaN."""
     value = float(np.abs(difference).max() / size) if size > 0.0 else np.inf
     return value if np.isfinite(value) else np.inf
 

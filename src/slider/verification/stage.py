@@ -59,7 +59,7 @@ def checks(
 
 
 def check_gait(gait: StoredGait, table: Mapping[str, Check]) -> dict[str, float]:
-    """All quantities of a gait; a value that is no number counts as the worst one."""
+    """All quantities of a gait; NaN counts as the worst value."""
     values = {name: value for check in table.values() for name, value in check(gait).items()}
     worst = {name: -math.inf if QUANTITIES[name].at_least else math.inf for name in values}
     return {n: worst[n] if math.isnan(v) else v for n, v in values.items()}

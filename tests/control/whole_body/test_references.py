@@ -13,7 +13,7 @@ from tests.env.synthetic import config
 
 OMEGA = references.natural_frequency(0.65)
 TUNED = config().control["mpc_wbc_tuned"]
-MIDDLE, HEEL, TOE = np.zeros((1, 2)), 0.085, 0.12
+MIDDLE, REACH = np.zeros((1, 2)), 0.085
 APART, STEP = 0.1, TUNED.step  # half of the distance of the feet [m]
 FEET = np.array([[[0.0, APART], [0.0, -APART]]])
 
@@ -38,7 +38,7 @@ def test_quintic_meets_its_ends_and_its_rates_are_derivatives():
 
 
 def entry(**changes) -> Entry:
-    return Entry(replace(TUNED.entry, **changes), OMEGA, HEEL, TOE)
+    return Entry(replace(TUNED.entry, **changes), OMEGA, REACH)
 
 
 def begin(
@@ -71,23 +71,21 @@ def test_a_step_from_the_middle_ends_as_far_from_its_foot_as_the_orbits_steps(si
 
 
 @pytest.mark.parametrize("ahead", [0.0, 0.02, -0.02])
-def test_pushes_forward_as_a_pendulum_does_from_where_it_is(ahead):
+def test_pushes_forward_as_a_pendulum_does_in_the_middle_and_starts_where_it_is(ahead):
     case, duration = entry(push=0.08), TUNED.entry.duration
-    assert case.reference(begin(case, speed=0.2, ahead=ahead))[0, 0, 0] == ahead
+    assert case.reference(begin(case, speed=0.2, ahead=ahead))[0, 0, 0] == pytest.approx(ahead)
     slow = case.reference(begin(case, speed=0.2, ahead=ahead, elapsed=duration))[0, 0]
     after_a_step = references.step_map(OMEGA, STEP.time) @ slow[:2]
     expected = references.forward_end_velocity(OMEGA, STEP.time, np.array(0.2))
     assert after_a_step[1] == pytest.approx(float(expected))
 
 
-def test_never_pushes_beyond_the_feet():
+def test_never_pushes_further_than_it_may():
     case, duration = entry(push=0.08), TUNED.entry.duration
     fast = case.reference(begin(case, speed=3.0, elapsed=duration))[0, 0]
     state = references.step_map(OMEGA, duration) @ [0.08, 0.0]
     np.testing.assert_allclose(fast[:2], state - [0.08, 0.0])
     np.testing.assert_allclose(fast[2], OMEGA**2 * (fast[0] + 0.08))
-    behind = case.reference(begin(case, speed=3.0, ahead=-0.02))[0, 0]
-    np.testing.assert_allclose(behind[2], OMEGA**2 * (HEEL - 0.02))
     still = entry(push=0.0)
     assert not still.reference(begin(still, speed=3.0, elapsed=duration))[0, 0].any()
 
@@ -107,12 +105,12 @@ def test_leaves_when_a_step_leads_into_the_orbit(side):
     assert not done(1.01 * speed, forward=2 * TUNED.entry.speed_tolerance)
 
 
-def test_steps_at_once_where_no_centre_of_pressure_leads_back_to_the_plan():
+def test_steps_at_once_where_the_capture_point_is_far_off_the_plan():
     case, foot, still = entry(push=0.08), np.array([[0.0, APART]]), np.zeros((1, 2))
     sway = begin(case, speed=1.0, elapsed=0.9 * TUNED.entry.duration)
     place, speed, _ = case.reference(sway)[0, 0]
     ahead = np.array([[place, 0.0]]), np.array([[speed, 0.0]])
-    assert place + speed / OMEGA > TOE
+    assert place + speed / OMEGA > REACH
     assert not case.done(sway, *ahead, foot)[0]
     assert case.done(sway, np.array([[-0.02, 0.0]]), still, foot)[0]
 

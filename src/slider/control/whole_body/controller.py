@@ -83,7 +83,7 @@ class PlantModel:
         self.omega = natural_frequency(height)
         self.reach = min(robot.geometry.heel, robot.geometry.toe)
         self.body = BodyControl(robot, config.whole_body, search, height)
-        self.entry = Entry(config.entry, self.omega, robot.geometry.heel, robot.geometry.toe)
+        self.entry = Entry(config.entry, self.omega, self.reach)
 
 
 class WalkingController:

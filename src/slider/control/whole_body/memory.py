@@ -34,7 +34,7 @@ class Sway:
         start: (n, 3) place [m] from the middle towards that foot, velocity and acceleration at
             the start.
         ahead: (n,) forward place of the centre of mass from the middle at the start [m].
-        push: (n,) forward place of the centre of pressure from there [m].
+        push: (n,) forward place of the centre of pressure from the middle [m].
         speed: (n,) towards that foot in the middle, with which a step leads into the orbit [m/s].
         end, time: of the :class:`Orbit` (n,).
         elapsed: (n,) [s].

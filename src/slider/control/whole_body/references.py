@@ -122,12 +122,12 @@ class Entry:
 
     It is towards the first stance foot, until a step leads into the orbit.
 
-    ``omega`` is the natural frequency of the pendulum [rad/s], ``heel`` and ``toe`` are the
-    distances of the ends of a foot from its ankle [m].
+    ``omega`` is the natural frequency of the pendulum [rad/s], ``reach`` the forward distance from
+    the middle within which a robot can come to a stop [m].
     """
 
-    def __init__(self, config: EntryConfig, omega: float, heel: float, toe: float) -> None:
-        self._config, self._omega, self._heel, self._toe = config, omega, heel, toe
+    def __init__(self, config: EntryConfig, omega: float, reach: float) -> None:
+        self._config, self._omega, self._reach = config, omega, reach
 
     def begin(
         self,
@@ -142,10 +142,9 @@ class Entry:
         ``feet`` (n, 2, 2) are the places of the feet [m]. With the lateral speed
         v = ω (d cosh ωT − e)/sinh ωT in the middle, d beside the stance foot, the first step
         ends e beside it, as steps of the ``orbit`` do; where these are not known (0), e = d. The
-        pendulum starts at a forward place x from the middle, with the centre of pressure p from
-        there, on the feet. After the sway and a step on a foot in the middle it has the velocity
-        at the end of the orbit's steps, v = ω (x sinh ωT − p (sinh ω(t + T) − sinh ωT)), if
-        ``push`` and the feet allow that.
+        centre of pressure p lies behind the middle so that the pendulum, after the sway and a step
+        on a foot in the middle, has the velocity at the end of the orbit's steps,
+        v = −ω p (sinh ω(t + T) − sinh ωT), if ``push`` allows that.
         """
         start, middle = np.zeros((len(feet), 3)), feet.mean(axis=1)
         ahead, sideways = (position - middle).T
@@ -157,8 +156,7 @@ class Entry:
         lateral = omega * (apart * np.cosh(omega * step) - orbit.end) / sinh
         end = forward_end_velocity(omega, step, speed)
         gain = np.sinh(omega * (self._config.duration + step)) - sinh
-        push = np.clip((ahead * sinh - end / omega) / gain, -self._config.push, self._config.push)
-        push = np.clip(ahead + push, -self._heel, self._toe) - ahead
+        push = np.clip(-end / (omega * gain), -self._config.push, self._config.push)
         return Sway(middle, side, start, ahead, push, lateral, *orbit, np.zeros(len(middle)))
 
     def reference(self, sway: Sway) -> np.ndarray:
@@ -167,13 +165,15 @@ class Entry:
         return np.stack([self._forward(sway), sideways], axis=1)
 
     def _forward(self, sway: Sway) -> np.ndarray:
-        """Pendulum from rest with the centre of pressure ``push`` from its start: (n, 3)."""
+        """Pendulum from rest in the middle, and the way there from the start: (n, 3)."""
         omega, phase = self._omega, self._omega * sway.elapsed
         cosh, sinh = np.cosh(phase), np.sinh(phase)
         unit = np.stack([1 - cosh, -omega * sinh, -(omega**2) * cosh], axis=-1)
-        forward = sway.push[:, None] * unit
-        forward[:, 0] += sway.ahead
-        return forward
+        duration = np.full(len(unit), self._config.duration)
+        start, middle = np.zeros((2, len(unit), 3))
+        start[:, 0] = sway.ahead
+        there = quintic(start, middle, duration, np.minimum(sway.elapsed, duration))
+        return sway.push[:, None] * unit + there
 
     def _sideways(self, sway: Sway) -> np.ndarray:
         """Quintic to the middle with the orbit's speed there, past its end straight on: (n, 3)."""
@@ -191,9 +191,9 @@ class Entry:
         """Whether robots can take their first step, or have to (n,).
 
         They can, when a step from here ends where those of the orbit end or nearer to the stance
-        foot, and the centre of mass goes forward as planned. They have to, when no centre of
-        pressure on the feet brings the capture point x + ẋ/ω back to the planned one, or their
-        time is over and none brings it to rest.
+        foot, and the centre of mass goes forward as planned. They have to, when the capture point
+        x + ẋ/ω is further off the planned one than the shorter end of the foot, or their time is
+        over and it is beyond that.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].
@@ -205,13 +205,9 @@ class Entry:
         calm = np.abs(velocity[:, 0] - planned[:, 1]) < self._config.speed_tolerance
         begun = sway.elapsed > self._config.duration / 2
         capture = (position - sway.middle)[:, 0] + velocity[:, 0] / self._omega
-        error = capture - planned[:, 0] - planned[:, 1] / self._omega
-        astray = self._off_the_feet(sway.ahead + sway.push + error)
-        lost = astray | (self._late(sway) & self._off_the_feet(capture))
+        astray = np.abs(capture - planned[:, 0] - planned[:, 1] / self._omega) > self._reach
+        lost = astray | (self._late(sway) & (np.abs(capture) > self._reach))
         return (ready & calm & begun) | lost
-
-    def _off_the_feet(self, forward: np.ndarray) -> np.ndarray:
-        return (forward < -self._heel) | (forward > self._toe)
 
     def _late(self, sway: Sway) -> np.ndarray:
         return sway.elapsed > self._config.duration + self._config.patience

@@ -1,4 +1,4 @@
-"""Lines of a run for people: one per finished job, one for jobs that run long."""
+"""Lines of a run for people: one per finished job, one for jobs that run long, Table 1."""
 
 import math
 import sys

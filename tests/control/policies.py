@@ -26,8 +26,10 @@ def make_policy(*overrides: str) -> Policy:
     network = PolicyNetwork(size, 12, HIDDEN, "elu")
     network.mean.copy_(0.1 * torch.randn(size))
     network.std.copy_(0.5 + torch.rand(size))
-    facts = {"seed": 1, "iteration": 20, "value": 0.25}
-    return Policy(network.eval(), HIDDEN, "elu", layout, times, whole.robot, env, facts, reference)
+    training = {"seed": 1, "iteration": 20, "value": 0.25}
+    return Policy(
+        network.eval(), HIDDEN, "elu", layout, times, whole.robot, env, training, reference
+    )
 
 
 def write_policy(path: Path, *overrides: str) -> Policy:

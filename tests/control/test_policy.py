@@ -32,7 +32,7 @@ def test_comes_back_as_it_was_saved(tmp_path, gaits):
     assert (back.hidden, back.activation) == (policy.hidden, policy.activation)
     assert [*back.observations.items()] == [*policy.observations.items()], "their order matters"
     assert not back.network.training
-    assert (back.robot, back.env, back.facts) == (policy.robot, policy.env, policy.facts)
+    assert (back.robot, back.env, back.training) == (policy.robot, policy.env, policy.training)
     for found, saved in ((back.times, policy.times), (back.reference, policy.reference)):
         assert (found is not None) == gaits
         np.testing.assert_equal(gaits and asdict(found), gaits and asdict(saved))
@@ -54,7 +54,7 @@ def foreign(path, content) -> None:
         (b"not a policy", "{path}: expected a policy file of this project"),
         (torch.zeros(3), "{path}: expected format slider-policy, found Tensor"),
         ({"format": None}, "{path}: expected format slider-policy, found None"),
-        ({"version": 99}, "{path}: expected version 9, found 99"),
+        ({"version": 99}, "{path}: expected version 10, found 99"),
     ],
 )
 def test_foreign_file_is_one_line(tmp_path, content, message):

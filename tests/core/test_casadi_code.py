@@ -1,6 +1,7 @@
 """Compiled functions: the same bits, made once; without them all goes on."""
 
 import fcntl
+import os
 import shutil
 import stat
 import time
@@ -14,7 +15,7 @@ from slider.core.casadi_code import Compiled, Functions
 from slider.core.job import Job
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-FACTS = {"mass": 1.5, "names": ["a", "b"]}
+PARAMETERS = {"mass": 1.5, "names": ["a", "b"]}
 MIN_PENDING_JOBS = 50
 
 
@@ -55,8 +56,8 @@ def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
-    first = compiled(tmp_path)(FACTS, small)
-    later = compiled(tmp_path, waiting=1)(FACTS, never)
+    first = compiled(tmp_path)(PARAMETERS, small)
+    later = compiled(tmp_path, waiting=1)(PARAMETERS, never)
     assert is_compiled(first)
     assert is_compiled(later)
     for name, function in small().items():
@@ -76,27 +77,38 @@ CHANGED = "for last; do case $last in *.c) sed -i 's/{}/' $last;; esac; done; cc
 def test_a_compiler_that_fails_or_changes_bits_is_called_once(tmp_path: Path, compiler, lines: str):
     compiler(lines)
     for _ in range(2):
-        assert not is_compiled(compiled(tmp_path)(FACTS, small))
+        assert not is_compiled(compiled(tmp_path)(PARAMETERS, small))
     assert (tmp_path / "calls").read_text() == "call\n"
     assert not libraries(tmp_path)
 
 
-def test_other_facts_have_other_functions(tmp_path: Path):
-    compiled(tmp_path)(FACTS, small)
-    compiled(tmp_path)(FACTS | {"mass": 2.0}, small)
+def test_a_lost_library_and_an_old_failure_are_compiled_again(tmp_path: Path):
+    compiled(tmp_path)(PARAMETERS, small)
+    (library,) = libraries(tmp_path)
+    library.unlink()
+    assert is_compiled(compiled(tmp_path)(PARAMETERS, small))
+    library.with_suffix(".json").write_text("[]")
+    assert not is_compiled(compiled(tmp_path)(PARAMETERS, small))
+    os.utime(library.with_suffix(".json"), (0, 0))
+    assert is_compiled(compiled(tmp_path)(PARAMETERS, small))
+
+
+def test_other_parameters_have_other_functions(tmp_path: Path):
+    compiled(tmp_path)(PARAMETERS, small)
+    compiled(tmp_path)(PARAMETERS | {"mass": 2.0}, small)
     assert len(libraries(tmp_path)) == 2
 
 
 def test_others_wait_where_a_compilation_pays_for_one_job_alone(tmp_path: Path):
     """Else they interpret."""
-    compiled(tmp_path)(FACTS, small)
+    compiled(tmp_path)(PARAMETERS, small)
     (library,) = libraries(tmp_path)
     library.with_suffix(".json").unlink()
     job = Job(tmp_path, cache=tmp_path / "cache")
     with library.with_suffix(".lock").open() as lock, ThreadPoolExecutor(1) as pool:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        assert not is_compiled(compiled(tmp_path)(FACTS, small))
-        waiting = pool.submit(Compiled(job, "tests"), FACTS, small)
+        assert not is_compiled(compiled(tmp_path)(PARAMETERS, small))
+        waiting = pool.submit(Compiled(job, "tests"), PARAMETERS, small)
         time.sleep(0.3)
         assert not waiting.done()
         fcntl.flock(lock, fcntl.LOCK_UN)

@@ -224,21 +224,21 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
 
     trainer.selector.score = score
     trainer.run()
-    facts = trainer.export(tmp_path)
-    assert (facts["value"], facts["iteration"]) == (1.0, 2)
+    selected = trainer.export(tmp_path)
+    assert (selected["value"], selected["iteration"]) == (1.0, 2)
     exported = load_policy(tmp_path / POLICY_FILE).network.mlp[0].weight
     assert [torch.equal(exported, weight) for weight in judged] == [False, True, False]
 
 
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
     trainer = trained(tmp_path, iterations=1).trainer
-    facts = trainer.export(tmp_path)
+    selected = trainer.export(tmp_path)
     policy = load_policy(tmp_path / POLICY_FILE)
     assert policy.observations == trainer.env.agent.observer.layout
     assert policy.times is not None
     assert (policy.robot, policy.env) == (task().robot, task().env)
-    assert policy.facts == {"seed": task().train.seed, **facts}
-    assert trainer.selector.score(policy.network).value == facts["value"]
+    assert policy.training == {"seed": task().train.seed, **selected}
+    assert trainer.selector.score(policy.network).value == selected["value"]
 
 
 def test_blow_ups_are_reported_outside_the_result(tmp_path):

@@ -75,7 +75,7 @@ def describe(policy: Policy, provenance: dict[str, Any], graphs: dict[str, Step]
             "step_time": [float(np.min(times.step_time)), float(np.max(times.step_time))],
             "mirror": env.phase.mirror,
         },
-        "training": dict(policy.facts),
+        "training": dict(policy.training),
         "provenance": provenance,
     }
 

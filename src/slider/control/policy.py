@@ -22,7 +22,7 @@ from slider.library.lookup import GaitTable, StepTimes
 from slider.robot.names import NUM_JOINTS, joint_names
 
 FORMAT = "slider-policy"
-VERSION = 9
+VERSION = 10
 _ALL = slice(None)  # robots
 MEAN, STD, VARIANCE = (f"obs_normalizer._{name}" for name in ("mean", "std", "var"))
 """Private names of rsl-rl in the state of an actor."""
@@ -86,7 +86,7 @@ class Policy:
         times: step times of the gait library for the clock, or None without a clock.
         robot: of the training; gains, limits and drives.
         env: of the training; control period, scales, clips, phase clock.
-        facts: origin of the weights: seed, iteration and the score that selected them.
+        training: seed, iteration and the score that selected the weights.
         reference: joint positions of the gaits, where actions are about the gait.
     """
 
@@ -97,7 +97,7 @@ class Policy:
     times: StepTimes | None
     robot: RobotConfig
     env: EnvConfig
-    facts: Mapping[str, float]
+    training: Mapping[str, float]
     reference: GaitTable | None = None
 
 
@@ -118,7 +118,7 @@ def save_policy(policy: Policy, path: Path) -> None:
         "times": None if policy.times is None else _tensors(policy.times),
         "robot": to_dict(policy.robot),
         "env": to_dict(policy.env),
-        "facts": dict(policy.facts),
+        "training": dict(policy.training),
         "reference": reference,
     }
     save(content, path)
@@ -160,7 +160,7 @@ def load_policy(path: Path) -> Policy:
         times=None if content["times"] is None else _times(content["times"]),
         robot=from_dict(RobotConfig, content["robot"]),
         env=from_dict(EnvConfig, content["env"]),
-        facts=content["facts"],
+        training=content["training"],
         reference=reference,
     )
 

@@ -32,6 +32,7 @@ Source = Callable[[Any, Callable[[], Functions]], Functions]
 
 _FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
 _PATIENCE = 300.0  # of a compilation [s]
+_RETRY_AFTER = 3600.0  # a failed compilation [s]
 _SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
 
 
@@ -60,8 +61,8 @@ class Compiled:
         machine = sys.platform, platform.machine()
         path = self._job.cache / f"{files.digest_value([parameters, *machine])}.so"
         note = path.with_suffix(".json")
-        if note.is_file():
-            return _load(path, files.read_json(note)) or derive()
+        if (names := _noted(path, note)) is not None:
+            return _load(path, names) or derive()
         functions = derive()
         compiler = _compiler()
         if self._job.waiting < self._min_pending_jobs or not compiler:
@@ -69,9 +70,10 @@ class Compiled:
         path.parent.mkdir(parents=True, exist_ok=True)
         blocking = self._min_pending_jobs == 1
         with suppress(Timeout), FileLock(path.with_suffix(".lock"), blocking=blocking):
-            if not note.is_file():
-                files.write_json(note, self._compile(path, functions, compiler))
-            return _load(path, files.read_json(note)) or functions
+            if (names := _noted(path, note)) is None:
+                names = self._compile(path, functions, compiler)
+                files.write_json(note, names)
+            return _load(path, names) or functions
         return functions
 
     def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> list[str]:
@@ -89,6 +91,15 @@ class Compiled:
                 outcome = f"compiled in {time.perf_counter() - start:.1f} s"
         self._job.progress(f"functions of the {self._subject}: {outcome}")
         return names
+
+
+def _noted(path: Path, note: Path) -> list[str] | None:
+    """Names of the functions in a library; none soon after a failure, None where to compile."""
+    if not note.is_file():
+        return None
+    names: list[str] = files.read_json(note)
+    failed = not names and time.time() - note.stat().st_mtime < _RETRY_AFTER
+    return names if failed or (names and path.is_file()) else None
 
 
 def _load(path: Path, names: list[str]) -> Functions:

@@ -209,7 +209,7 @@ class Trainer:
         """Write the best policy and its weights; return a summary for the manifest."""
         weights = self._best["weights"]
         network = self._task.train.network
-        facts = {"iteration": self._best["iteration"], **self._best["score"]}
+        selected = {"iteration": self._best["iteration"], **self._best["score"]}
         policy = Policy(
             network=self._network(weights["actor_state_dict"]),
             hidden=tuple(network.hidden),
@@ -218,7 +218,7 @@ class Trainer:
             times=self._task.times,
             robot=self._task.robot,
             env=self._task.env,
-            facts={"seed": self._task.train.seed, **facts},
+            training={"seed": self._task.train.seed, **selected},
             reference=self._task.reference,
         )
         save_policy(policy, out / POLICY_FILE)
@@ -226,7 +226,7 @@ class Trainer:
         for name, rows in ((SELECTION, self._history), (CURVE, self._curve)):
             if rows:
                 pd.DataFrame(rows).to_csv(out / name, index=False, float_format="%.6g")
-        return facts
+        return selected
 
 
 def set_up_torch() -> None:

@@ -43,14 +43,14 @@ class Observer:
     def reset(self, measured: RobotState) -> None:
         """Start from a measured state; the drives give no torque until the first ones arrive."""
         self._qpos, self._qvel = measured.qpos, measured.qvel
-        self._given_up = np.zeros(measured.num_robots, dtype=bool)
+        self._inactive = np.zeros(measured.num_robots, dtype=bool)
         none = np.zeros((len(self._robots), names.NUM_JOINTS))
         self._under_way = deque([none] * self._ticks)
         self._acting: np.ndarray | None = None
 
     def deactivate(self, robots: np.ndarray) -> None:
         """Estimate the states of ``robots`` (N,) no longer."""
-        self._given_up |= robots
+        self._inactive |= robots
 
     def estimate(self, measured: RobotState) -> RobotState:
         """The state at which the next torques will act, from the one that is measured now."""
@@ -78,7 +78,7 @@ class Observer:
     def _simulate(self, inputs: Iterable[np.ndarray]) -> None:
         """Let the estimate go on, one tick for each of the torques (N, 12)."""
         self._model.reset(self._robots, self._qpos, self._qvel)
-        self._model.deactivate(self._given_up)
+        self._model.deactivate(self._inactive)
         for torques in inputs:
             self._model.step(torques)
         self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()

@@ -237,7 +237,7 @@ def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
         else:
             for line in report.damage:
                 _print(line)
-            if "taken" in report.counts:
+            if "fetched" in report.counts:
                 _print(f"from {remote}: {report}")
     for target, names in report_files(config).items():
         if target in plan.targets:

@@ -1,6 +1,6 @@
 """Studies: gaits, trainings and evaluations of several variants, compared by metrics.
 
-A variant is the configuration of the pipeline with some overrides more. Its jobs are ordinary ones:
+A variant is the configuration of the pipeline with further overrides. Its jobs are ordinary ones:
 what variants have in common is computed once, and a further variant or seed computes only itself.
 """
 
@@ -184,7 +184,7 @@ def _evaluations(
     jobs: Mapping[str, JobSpec],
     note: str,
 ) -> Iterator[Keyed]:
-    """Those of the policy are in the variant's row, those of another controller in one beside."""
+    """The policy's are in the row VARIANT, another controller's in the row VARIANT_CONTROLLER."""
     for spec in evaluations_of(config, protocol, jobs, note):
         controller = spec.section["controller"]
         row = variant.name if controller == POLICY else f"{variant.name}_{controller}"
@@ -209,7 +209,7 @@ def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Key
 
 
 def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) -> TrainConfig:
-    """A training of so many samples, in whole iterations, checked at even distances."""
+    """A training of about ``samples`` environment steps, checked every ``budget.check_every``."""
     iterations = max(1, round(samples / _batch(train)))
     interval = max(1, round(budget.check_every / _batch(train)))
     selection = replace(train.selection, interval=interval)

@@ -85,8 +85,8 @@ def test_what_a_remote_says_is_not_trusted(kind, name, filled, full, bare):
     FORGED[name](path)
     report = pull(bare, JOBS, filled.remote)
     gone = kind == "result" and not path.exists()
-    outcome = "not there" if gone else "damaged"
-    assert report.counts == {outcome: 1, "taken": 5, "of other inputs": 2}
+    outcome = "missing in the remote" if gone else "damaged"
+    assert report.counts == {outcome: 1, "fetched": 5, "waiting for inputs": 2}
     start = f"gait 0 ({GAITS[0].recipe[:12]}): damaged in {filled.remote.url}: "
     assert [line.startswith(start) for line in report.damage] == [True] * (not gone)
     assert not any("\n" in line or len(line) > 1000 for line in report.damage)
@@ -95,8 +95,8 @@ def test_what_a_remote_says_is_not_trusted(kind, name, filled, full, bare):
     assert not list((bare.root / "objects" / "tmp").iterdir())
     assert verify(bare) == []
     report = push(full, JOBS, filled.remote, force=True)
-    assert report.counts == {"sent": 8}
-    assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
+    assert report.counts == {"uploaded": 8}
+    assert pull(bare, JOBS, filled.remote).counts == {"fetched": 3}
     assert contents(bare) == contents(full)
 
 

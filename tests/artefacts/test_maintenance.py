@@ -64,10 +64,10 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     assert not list(store.root.rglob(files.TEMPORARY_PATTERN))
     removed = collect(store, keep=1, dry_run=True)
     assert removed == [f"object {lost}", f"gait/{old.recipe}.json"]
-    assert store.is_whole(lost)
+    assert store.is_intact(lost)
     assert collect(store, keep=1) == removed
     assert not store.object_folder(lost).exists()
-    assert store.is_whole(kept)
+    assert store.is_intact(kept)
     assert store.manifests() == [store.manifest_path("gait", new.recipe)]
     assert store.find(old.key({})) is None
     with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):

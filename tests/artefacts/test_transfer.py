@@ -31,11 +31,11 @@ from tests.faults.operations import kill_at
 def test_another_store_is_the_same_afterwards(kind, full, bare, tmp_path):
     with anywhere(kind, tmp_path) as remote:
         sent = push(full, JOBS, remote)
-        assert (sent.counts, sent.damage) == ({"sent": 8}, [])
-        assert push(full, JOBS, remote).counts == {"already there": 8}
-        assert push(full, JOBS, remote, force=True).counts == {"sent": 8}
+        assert (sent.counts, sent.damage) == ({"uploaded": 8}, [])
+        assert push(full, JOBS, remote).counts == {"already in the remote": 8}
+        assert push(full, JOBS, remote, force=True).counts == {"uploaded": 8}
         taken = pull(bare, JOBS, remote)
-        assert taken.counts == {"taken": 8}
+        assert taken.counts == {"fetched": 8}
         assert contents(bare) == contents(full)
         metadata = files.read_json(bare.metadata_path("table1", TABLE.recipe))
         assert metadata == {"wall_s": 2.5, "computed": False, "taken_from": remote.url}
@@ -47,7 +47,7 @@ def test_another_store_is_the_same_afterwards(kind, full, bare, tmp_path):
 
 def test_http_is_enough_to_read(filled, full, bare):
     with http_server(filled.folder) as url:
-        assert pull(bare, JOBS, Remote(url)).counts == {"taken": 8}
+        assert pull(bare, JOBS, Remote(url)).counts == {"fetched": 8}
     assert contents(bare) == contents(full)
 
 
@@ -55,24 +55,27 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     """Until these are there, byte for byte, the index alone knows it."""
     lost = filled.result(GAITS[0])
     lost.unlink()
-    expected = {"not there": 1, "taken": 5, "of other inputs": 2}
+    expected = {"missing in the remote": 1, "fetched": 5, "waiting for inputs": 2}
     assert pull(bare, JOBS, filled.remote).counts == expected
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
     assert bare.find(LIBRARY.key(objects)) == full.read_manifest("library", LIBRARY.recipe)
     assert bare.metadata("library", LIBRARY.recipe)["wall_s"] == 2.5  # for whoever reuses it
-    assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}
+    assert pull(bare, JOBS, filled.remote).counts == {"fetched": 2}
 
 
 def test_results_of_two_machines_do_not_mix(filled, bare):
     """A library of other gaits is none for those that are here."""
     compute(bare, GAITS[0], "of another machine")
-    assert pull(bare, JOBS, filled.remote).counts == {"taken": 5, "of other inputs": 2}
+    assert pull(bare, JOBS, filled.remote).counts == {"fetched": 5, "waiting for inputs": 2}
     compute(bare, LIBRARY)
     compute(bare, TABLE)
     before = filled.result(GAITS[0]).read_bytes()
-    assert push(bare, JOBS, filled.remote).counts == {"different there": 1, "already there": 7}
+    assert push(bare, JOBS, filled.remote).counts == {
+        "different in the remote": 1,
+        "already in the remote": 7,
+    }
     assert filled.result(GAITS[0]).read_bytes() == before
 
 
@@ -88,7 +91,7 @@ def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     monkeypatch.setattr(Remote, "read", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
-    assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
+    assert found.counts == {"computed here": 2, "fetched": 4, "waiting for inputs": 2}
     assert bare.read_manifest("gait", GAITS[0].recipe) == own[0]
     assert bare.metadata("gait", GAITS[0].recipe) == {"wall_s": 2.5}
     assert not bare.manifest_path("gait", GAITS[1].recipe).exists()
@@ -97,12 +100,12 @@ def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
 def test_what_is_damaged_here_stays_here(place, full, bare):
     damage(data(full, full.read_manifest("gait", GAITS[0].recipe)))
     found = push(full, JOBS, place.remote)
-    assert found.counts == {"damaged": 1, "sent": 7}
+    assert found.counts == {"damaged": 1, "uploaded": 7}
     (line,) = found.damage
     assert line.endswith("damaged here: run `slider store verify`")
     compute(bare, GAITS[0])
     push(bare, JOBS, place.remote)
-    assert pull(full, JOBS, place.remote).counts == {"taken": 1}
+    assert pull(full, JOBS, place.remote).counts == {"fetched": 1}
     assert verify(full) == []
 
 
@@ -133,7 +136,7 @@ def test_a_killed_push_or_pull_goes_on(action, moment, place, full, bare):
 def test_the_command_says_what_travelled(place, full, bare, capsys):
     url = place.remote.url
     assert command(full, "push", url, "library") == 0
-    assert capsys.readouterr().out.startswith(f"push to {url}: 7 sent (0.0 MB) in ")
+    assert capsys.readouterr().out.startswith(f"push to {url}: 7 uploaded (0.0 MB) in ")
     assert command(full, "push", url, "--all") == 0
     damage(place.file(full, TABLE))
     assert command(bare, "pull", url) == 1

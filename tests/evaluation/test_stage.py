@@ -60,7 +60,7 @@ def test_summary_and_traces_are_those_of_the_robots(walking, tmp_path, rollouts)
     assert summary["success_rate"] == table["survived"].mean()
     survivors = table["squared_error_steady"][table["survived"]]
     assert summary["mse_steady"] == pytest.approx(survivors.mean(), rel=1e-6)
-    assert summary["blow_ups"] == 0
+    assert summary["diverged"] == 0
     recording = rollouts[0].recording
     forward = recording.velocity[:, recording.survived, 0]
     assert forward.shape[1] > 1

@@ -100,7 +100,7 @@ def whole(gait: int) -> WholeMap:
 
         slopes.append(differences(observe, with_moves(x), size)[1][0])
     landed, seen = np.split(np.stack(slopes), [STATE], axis=1)
-    now = zero(gait).swung[:, 0, middle(loop())]
+    now = zero(gait).by_state[:, 0, middle(loop())]
     future = seen.reshape(2, -1, 4, STATE + 2)[:, middle(loop()), : now.shape[1], :STATE]
     return WholeMap(landed[..., :STATE], landed[..., STATE:], np.linalg.solve(now, future))
 

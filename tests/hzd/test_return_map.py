@@ -5,8 +5,8 @@ import pytest
 
 from slider.core.arrays import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.feedback import Regulator, regulate
 from slider.hzd.plans import motion, start
+from slider.hzd.regulator import Regulator, regulate
 from slider.hzd.step import _Steps
 from slider.hzd.walk import differences, multipliers
 from tests.env.synthetic import GEOMETRY

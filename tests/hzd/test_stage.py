@@ -11,7 +11,7 @@ import zarr
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd import walk
-from slider.hzd.gains import FootPlacement
+from slider.hzd.foot_placement import FootPlacement
 from slider.hzd.stability import CSV, MARKDOWN, QUANTITIES, records, run
 from slider.hzd.stage import collect_placement
 from slider.hzd.walk import limit_cycles

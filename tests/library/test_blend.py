@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.library.blend import blend, gait_numbers
+from slider.library.blend import blend, gait_statistics
 from slider.library.reader import STORE, GaitLibrary
 from tests.library.gaits import HALF, library
 from tests.library.solved import solved_library
@@ -53,7 +53,7 @@ def test_a_longer_step_counts_more_and_each_step_has_a_touchdown(gaits):
     samples = gaits.arrays["samples"].copy()
     samples[..., 24] = np.repeat([1.0, 2.0], HALF)
     changed = {"samples": samples, "step_time": np.tile([0.3, 0.1], (2, 1))}
-    found = gait_numbers(replace(gaits, arrays={**gaits.arrays, **changed}), 0.5)
+    found = gait_statistics(replace(gaits, arrays={**gaits.arrays, **changed}), 0.5)
     assert found.velocity_variance == pytest.approx(0.75 * 0.25**2 + 0.25 * 0.75**2)
     assert found.touchdown_rate == pytest.approx(2 / 0.4)
-    assert [gait_numbers(gaits, vx) is None for vx in (-0.1, 1.0, 1.1)] == [True, False, True]
+    assert [gait_statistics(gaits, vx) is None for vx in (-0.1, 1.0, 1.1)] == [True, False, True]

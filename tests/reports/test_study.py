@@ -91,7 +91,7 @@ def test_each_run_has_the_numbers_of_its_evaluation(out):
 
 def test_means_spread_over_seeds_and_changes_are_paired(out):
     row = at(out / "ablation.csv", "hard", "mse_steady")
-    assert (row["count"], row["mean"], row["least"], row["greatest"]) == (2, 0.35, 0.3, 0.4)
+    assert (row["count"], row["mean"], row["min"], row["max"]) == (2, 0.35, 0.3, 0.4)
     assert row["std"] == pytest.approx(np.std([0.3, 0.4], ddof=1), rel=1e-5)
     expected = stats.t.interval(0.95, 1, loc=0.35, scale=stats.sem([0.3, 0.4]))
     np.testing.assert_allclose(row[["low", "high"]].tolist(), expected, rtol=1e-5)
@@ -99,10 +99,10 @@ def test_means_spread_over_seeds_and_changes_are_paired(out):
     np.testing.assert_allclose(row[["change_low", "change_high"]].tolist(), 0.2)
     assert row["relative_change"] == pytest.approx(0.2 / 0.15, rel=1e-5)
     lost = at(out / "ablation.csv", "hard", "mse_steady", 0.8)
-    assert (lost["mean"], lost["least"]) == (np.inf, 0.3)
+    assert (lost["mean"], lost["min"]) == (np.inf, 0.3)
     assert np.isnan(lost[["low", "high", "std"]].tolist()).all()
     assert at(out / "ablation.csv", "default", "samples_to_walk")["mean"] == 0.75e6
-    assert at(out / "ablation.csv", "hard", "samples_to_walk")["least"] == np.inf  # never
+    assert at(out / "ablation.csv", "hard", "samples_to_walk")["min"] == np.inf  # never
 
 
 def test_a_change_is_from_the_same_seed_or_from_the_only_run():

@@ -10,7 +10,7 @@ from slider.core import tables
 from slider.core.job import Job
 from slider.env.metrics import QUALITY
 from slider.evaluation.results import quality
-from slider.library.blend import gait_numbers
+from slider.library.blend import gait_statistics
 from slider.library.reader import GaitLibrary
 from slider.reports import table1
 from slider.reports.table1 import compare, comparisons
@@ -85,7 +85,7 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path):
     for name in ("velocity_variance", "touchdown_rate"):
         beside = quality.columns[quality.columns.get_loc(name) + 1]
         assert beside == f"reference_{name}"
-        expected = [getattr(gait_numbers(library, speed), name) for speed in (0.2, 0.4)]
+        expected = [getattr(gait_statistics(library, speed), name) for speed in (0.2, 0.4)]
         np.testing.assert_allclose(quality[beside], [*expected, np.nan], rtol=1e-5)  # up to 1 m/s
 
 

@@ -120,7 +120,7 @@ def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(workspace
     waiting = len(EVERYTHING) - 2  # in the index, for the damaged gait
     start = f"slider: from {remote}: "
     (line,) = [line for line in run.stderr.splitlines() if line.startswith(start)]
-    for count in (" 1 taken", " 1 damaged", f" {waiting} of other inputs"):
+    for count in (" 1 fetched", " 1 damaged", f" {waiting} waiting for inputs"):
         assert count in line
     assert taker.stages() == ["gait"]
     assert taker.table.read_text() == giver.table.read_text()

@@ -35,7 +35,7 @@ def drop_damaged(store: Store, manifests: Iterable[Path], dry_run: bool = False)
     lines: list[str] = []
     for path in filter(os.path.lexists, manifests):
         manifest = readable(path)
-        if manifest and store.is_whole(manifest.result.object):
+        if manifest and store.is_intact(manifest.result.object):
             continue
         if not dry_run:
             path.unlink()

@@ -116,7 +116,7 @@ class Store:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copymode(target.parent, folder)  # mkdtemp makes it private
         files.sync(*(path for path in folder.rglob("*")), folder)
-        if target.exists() and not self.is_whole(result.object):
+        if target.exists() and not self.is_intact(result.object):
             self.drop_object(result.object)
         try:
             folder.rename(target)
@@ -126,7 +126,7 @@ class Store:
         files.sync(target.parent, target.parent.parent)
         return result
 
-    def is_whole(self, digest: str) -> bool:
+    def is_intact(self, digest: str) -> bool:
         """Read an object; tell whether its content has its name.
 
         Raises:
@@ -194,7 +194,7 @@ class Store:
 
     def _whole(self, path: Path) -> Manifest | None:
         manifest = readable(path)
-        return manifest if manifest and self.is_whole(manifest.result.object) else None
+        return manifest if manifest and self.is_intact(manifest.result.object) else None
 
     def input_objects(self, job: JobSpec) -> dict[str, list[str]]:
         """Objects of the inputs of a job; empty names for those that are not whole."""
@@ -212,7 +212,7 @@ class Store:
             UserError: there is none, or its object is damaged.
         """
         manifest = self.read_manifest(stage, recipe)
-        if not self.is_whole(manifest.result.object):
+        if not self.is_intact(manifest.result.object):
             raise damaged(stage, manifest.result.object)
         return manifest
 

@@ -1,7 +1,7 @@
 """Transfer of results: push them to a remote, pull those of others into the store.
 
 ``results/<recipe>.json`` holds the manifest of a recipe and ``files/<sha256>`` one file of an
-object, so that a recipe leads to everything without a listing, which HTTP has not. Whatever arrives
+object, so that no listing is needed, which plain HTTP does not have. Whatever arrives
 is compared with its digest before the store takes it, and gets its name from the manifest. A result
 counts for a recipe only where its inputs are, byte for byte, those that it was computed from;
 elsewhere it waits in the index of the store until such inputs are computed.
@@ -59,9 +59,9 @@ class TransferReport:
 
 
 def push(store: Store, jobs: Jobs, remote: Remote, force: bool = False) -> TransferReport:
-    """Send the results of some jobs that are here and not there; replace no whole result.
+    """Upload results that the remote lacks; never overwrite an intact one.
 
-    With ``force`` send them all, and replace what is there.
+    With ``force`` upload all, and overwrite.
 
     Raises:
         UserError: the remote does not answer or cannot be written.
@@ -79,7 +79,7 @@ def push(store: Store, jobs: Jobs, remote: Remote, force: bool = False) -> Trans
 
 
 def pull(store: Store, jobs: Jobs, remote: Remote) -> TransferReport:
-    """Take the results of some jobs that are there and not here, inputs first.
+    """Download results that the store lacks, inputs first.
 
     Raises:
         UserError: the remote does not answer, or there is no place for what it has.
@@ -96,7 +96,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> TransferReport:
             if isinstance(arrival, DamageError):
                 report.add_damaged(job, f"in {remote.url}: {arrival}")
             elif arrival is None:
-                report.add("not there")
+                report.add("missing in the remote")
             else:
                 shared, size = arrival
                 report.add(_accept(store, job, shared, remote.url), size)
@@ -111,13 +111,13 @@ def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str,
     """Send one result; return the outcome and the bytes that went."""
     manifest = readable(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
-        return "not here", 0
-    if not store.is_whole(manifest.result.object):
+        return "missing here", 0
+    if not store.is_intact(manifest.result.object):
         return "damaged", 0
     with suppress(DamageError):
         if not force and (shared := _look_up(remote, job)):
             same = shared[0].result == manifest.result
-            return "already there" if same else "different there", 0
+            return "already in the remote" if same else "different in the remote", 0
     folder = store.object_folder(manifest.result.object)
     lacking = {
         _file(entry): folder / name
@@ -127,7 +127,7 @@ def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str,
     remote.put(lacking)
     values = plain_manifest(manifest) | {_METADATA: store.metadata(job.stage, job.recipe)}
     remote.write(_result(job), files.canonical(values))
-    return "sent", sum(path.stat().st_size for path in lacking.values())
+    return "uploaded", sum(path.stat().st_size for path in lacking.values())
 
 
 def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
@@ -156,7 +156,7 @@ def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | D
     """Publish the object of a job's result, if it is there; return also the bytes that came."""
     try:
         shared = _look_up(remote, job)
-        if shared is None or store.is_whole(shared[0].result.object):
+        if shared is None or store.is_intact(shared[0].result.object):
             return shared and (shared, 0)
         _take(store, remote, shared[0].result)
         return shared, shared[0].result.size
@@ -185,13 +185,13 @@ def _take(store: Store, remote: Remote, result: Result) -> None:
 
 
 def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
-    """Write what leads to an object, unless a job computes the result or did so meanwhile."""
+    """Write manifest, index and run metadata of a result, unless a job here computes it or did."""
     manifest, metadata = shared
     try:
         with exclusive(store.locks, job.recipe, timeout=0):
             if present := store.verify(job.stage, job.recipe):
                 same = present.result.object == manifest.result.object
-                return "taken" if same else "computed here"
+                return "fetched" if same else "computed here"
             if store.find(key := job.key(manifest.input_objects)) is None:
                 store.put_index(key, manifest)
             noted = {**metadata, "computed": False, "taken_from": origin}
@@ -202,9 +202,9 @@ def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
             }
             objects = {n: [m and m.result.object for m in group] for n, group in inputs.items()}
             if objects != manifest.input_objects:
-                return "of other inputs"
+                return "waiting for inputs"
             store.write_manifest(manifest)
-            return "taken"
+            return "fetched"
     except Timeout:
         return "computed here"
 

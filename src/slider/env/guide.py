@@ -95,7 +95,7 @@ class Guide:
         return (away**2).sum(dim=2).argmin(dim=1)
 
     def turn(self, view: View) -> Array:
-        """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].
+        """Joints (N, 12) [rad] for the part of a commanded yaw rate that the gait lacks.
 
         A library of gaits that turn has the yaw rate, or a part of it, in the gait itself. The
         stance foot stays while the base turns over it, so that the stance hip's yaw goes from
@@ -115,7 +115,7 @@ class Guide:
     def states(self, command: Array, phase: Array) -> tuple[Array, Array]:
         """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18).
 
-        A start has the commanded velocity, whichever gait guides: it is interpolated.
+        They are interpolated at the commanded velocity, also where the nearest gait guides.
         """
         reference = self._table.at(command, phase)
         joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]

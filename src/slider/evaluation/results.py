@@ -1,4 +1,4 @@
-"""Results of evaluations: the files of a folder, read and written only here, and their numbers."""
+"""Results of evaluations: the files of a folder, read and written only here, and statistics."""
 
 import json
 import math
@@ -11,7 +11,7 @@ import pandas as pd
 
 from slider.core import tables
 from slider.env.metrics import ERRORS, QUALITY, TRACKING, Columns
-from slider.library.blend import GaitNumbers, gait_numbers
+from slider.library.blend import GaitStatistics, gait_statistics
 from slider.library.reader import STORE, GaitLibrary
 
 METADATA, ROBOTS, VELOCITY = "metadata.json", "robots.csv", "velocity.npy"
@@ -41,7 +41,7 @@ class Evaluation:
         robots: a row per robot with ``COLUMNS``; NaN where it fell.
         velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
         segments: in a case a row per segment and robot with ``SEGMENT_COLUMNS``; ``survived`` is
-            true for robots that stood until its end, even if they fell later.
+            true for robots that were up until its end, even if they fell later.
         traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.
         label: display name of the controller; not in the folder, since nothing depends on it.
     """
@@ -103,20 +103,20 @@ def places(trials: int, count: int) -> dict[str, np.ndarray]:
 def compare(evaluations: Iterable[Evaluation], library: Sequence[Path] = ()) -> pd.DataFrame:
     """A row per evaluation: ``controller``, ``speed``, success, accuracy and quality.
 
-    The numbers of the gait at the speed, of the library in the only folder, if there is one, stand
-    beside the controller's as ``reference_NAME``.
+    With the folder of a library also the statistics of its gait at that speed, as columns
+    ``reference_NAME``.
     """
     gaits = GaitLibrary.load(library[0] / STORE) if library else None
     rows = []
     for one in evaluations:
-        gait = None if gaits is None or one.speed is None else gait_numbers(gaits, one.speed)
+        gait = None if gaits is None or one.speed is None else gait_statistics(gaits, one.speed)
         row = {"controller": one.controller, "speed": one.speed}
         rows.append(row | success(one.robots) | accuracy(one.robots) | quality(one.robots, gait))
     return pd.DataFrame(rows)
 
 
 def success(robots: pd.DataFrame) -> dict[str, float]:
-    """Share without a termination (``env.termination``), its spread, Wilson's 95 % interval."""
+    """Share that did not fall (:mod:`slider.env.terminations`), spread, Wilson's 95 % interval."""
     low, high = wilson(int(robots["survived"].sum()), len(robots))
     rate = _mean("success_rate", robots, "survived")
     return rate | {"success_low": low, "success_high": high}
@@ -147,7 +147,7 @@ def _mean(name: str, robots: pd.DataFrame, column: str) -> dict[str, float]:
     return {name: mean, f"{name}_std": float(np.std(means, ddof=1)) if len(means) > 1 else math.nan}
 
 
-def quality(robots: pd.DataFrame, gait: GaitNumbers | None = None) -> dict[str, float]:
+def quality(robots: pd.DataFrame, gait: GaitStatistics | None = None) -> dict[str, float]:
     """How the robots that survive walk, beside the numbers of a ``gait``; NaN where none survived.
 
     Means over robots, but for extremes, which are those of all robots: ``penetration_max``,
@@ -159,7 +159,7 @@ def quality(robots: pd.DataFrame, gait: GaitNumbers | None = None) -> dict[str, 
     for name in ("mean_velocity", *QUALITY, *ERRORS):
         for column, number in _NUMBERS.get(name, {name: np.mean}).items():
             row[column] = float(number(alive[name].to_numpy())) if len(alive) else math.nan
-            if column in GaitNumbers._fields:
+            if column in GaitStatistics._fields:
                 row[f"reference_{column}"] = math.nan if gait is None else getattr(gait, column)
     return row
 
@@ -170,7 +170,7 @@ def means(robots: pd.DataFrame, names: Sequence[str]) -> dict[str, float]:
 
 
 def _ever(shares: np.ndarray) -> float:
-    """Share of robots with some of what these are shares of time of."""
+    """Share of robots for which something occurs at all: a share of time above zero."""
     return float(np.mean(shares > 0))
 
 

@@ -41,7 +41,7 @@ def windows(case: CaseConfig, warm_up: float, duration: float, period: float) ->
 def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> pd.DataFrame:
     """Rows of the robots in each segment with their ``MEASURES``.
 
-    They survive a segment if they stand until its end, even if they fall later.
+    They survive a segment if they are up until its end, even if they fall later.
     """
     warm_up = profile_of(protocol).warm_up
     steps = windows(case, warm_up, protocol.duration, recording.period)
@@ -86,17 +86,17 @@ def _fastest(velocity: np.ndarray, period: float) -> np.ndarray:
 
 
 def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
-    """Over time: command, mean and spread of the robots that stand (S, 3, 3), share of these.
+    """Over time: command, mean and spread of the robots that are up (S, 3, 3), share of these.
 
     Returns:
         (S, 10) float32: commanded vx, vy, yaw rate; means of the three, their standard deviations
-        between robots, both of moving averages over ``profile.window``; share of standing robots.
+        between robots, both of moving averages over ``profile.window``; share of these robots.
     """
     width = max(1, round(profile_of(protocol).window / recording.period))
     alive = recording.alive[:, :, None]
-    standing = _moving_average(alive.astype(float), width)  # what comes after a fall does not count
+    upright = _moving_average(alive.astype(float), width)  # what comes after a fall does not count
     smooth = _moving_average(np.where(alive, _velocities(recording), 0.0), width)
-    smooth = smooth / np.maximum(standing, 1.0 / width)
+    smooth = smooth / np.maximum(upright, 1.0 / width)
     count = np.maximum(alive.sum(axis=1), 1)
     mean = np.where(alive, smooth, 0.0).sum(axis=1) / count
     square = (np.where(alive, smooth - mean[:, None], 0.0) ** 2).sum(axis=1) / count

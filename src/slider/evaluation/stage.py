@@ -85,7 +85,7 @@ def run(
         **({"case": case.name} if profile else {}),
         **{name: rates[name] for name in ("success_rate", "tracking_rate")},
         "mse_steady": rates["mse_steady"] if robots["survived"].any() else None,
-        "blow_ups": int(recording.diverged.sum()),
+        "diverged": int(recording.diverged.sum()),
     }
 
 
@@ -104,9 +104,9 @@ def set_up(
 ) -> Setup:
     """A controller of ``conf/control``, or the policy of the walking stage, on ``count`` robots.
 
-    A controller of ``conf/control`` moves torque drives at its own rate; its nominal model is that
-    of the section's robot, from which the disturbed plants differ. A policy moves position drives
-    once per control period. A study may evaluate it on another robot than its training's: plant,
+    A controller of ``conf/control`` commands torques at its own rate; its internal model is the
+    nominal robot, from which the disturbed plants differ. A policy commands joint positions once
+    per control period. A study may evaluate it on another robot than its training's: plant,
     starts and drives are those of the changed robot; the policy keeps nominal pose, ranges of joint
     targets, scales, reference gaits and clock of its training.
 
@@ -151,8 +151,8 @@ def record(
 ) -> Recording:
     """Roll a controller out in all cases at once, with a ``disturbance`` or the protocol's.
 
-    Robots are in blocks of a seed, and in these of a case: all cases start alike. ``build`` takes
-    the arguments of :func:`set_up`; a command changes within ``ramp`` seconds.
+    Robots are ordered by seed, then by case; within a seed all cases have the same initial states.
+    ``build`` takes the arguments of :func:`set_up`; a command changes within ``ramp`` seconds.
     """
     robot, seeds = from_dict(RobotConfig, section["robot"]), seeds_of(protocol)
     starts = (
@@ -162,7 +162,7 @@ def record(
     qpos, qvel = map(np.concatenate, zip(*(s for s in starts for _ in cases), strict=True))
     disturbed = Disturbance(disturbance or protocol.disturbance, tuple(seeds))
     setup = build(section, inputs, len(qpos), disturbed, threads)
-    place = ramp, protocol.duration, setup.env.control_period
-    series = np.stack([segments.velocities(case, *place) for case in cases], axis=1)
+    timing = ramp, protocol.duration, setup.env.control_period
+    series = np.stack([segments.velocities(case, *timing) for case in cases], axis=1)
     velocities = np.tile(np.repeat(series, protocol.robots, axis=1), (1, len(seeds), 1))
     return roll_out(*setup, (qpos, qvel), velocities, protocol.duration, progress)

@@ -1,11 +1,12 @@
 """The stage ``tuning``: a search for a controller's settings with Optuna's Gaussian process.
 
-A trial is one set of settings at all speeds; the first has the present ones. Its score, to be
-minimised, is the mean over the speeds v of log10(e / v² + f / 10): e is the mean squared velocity
-error of the surviving robots after the warm-up (v² if there are none), f the share that falls. A
-sum e / v² + f would count one fall of twelve robots above all else. Few robots miss rare falls, so
-the present settings and the best trials are measured again as finalists, with more robots and other
-starts. What a killed search has measured is kept: the next one draws the same trials again.
+A trial of Optuna is one set of settings at all speeds; the first is the current one. Its score, to
+be minimised, is the mean over the speeds v of log10(e / v² + f / 10): e is the mean squared
+velocity error of the surviving robots after the warm-up (v² if there are none), f the share that
+falls. A sum e / v² + f would count one fall of twelve robots above all else. With few robots rare
+falls go unobserved, so the current settings and the best trials are measured again as finalists,
+with more robots and other starts. What a killed search has measured is kept: the next one draws the
+same trials again.
 """
 
 from collections.abc import Callable, Mapping
@@ -79,7 +80,7 @@ def _kept(path: Path, measure: _Measure) -> _Measure:
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:
-    """Ranges of the settings, with the present values in them; those that count are whole."""
+    """Ranges of the settings, current values included; those of integer settings are integer."""
     ranges: dict[str, BaseDistribution] = {}
     for name, bounds in section["space"].items():
         present, log = setting(section["control"], name), bounds["log"]

@@ -10,7 +10,7 @@ from slider.core import tables
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.core.quantities import NONE, Quantity
 from slider.core.tables import Table
-from slider.hzd.gains import FootPlacement
+from slider.hzd.foot_placement import FootPlacement
 from slider.hzd.stage import BY_HIP, MULTIPLIERS, indices, load_library
 from slider.library.reader import GaitLibrary
 from slider.robot.names import VELOCITY

@@ -16,10 +16,10 @@ from slider.core.arrays import take
 from slider.core.casadi_code import Compiled
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.feedback import regulate
-from slider.hzd.gains import FootPlacement
+from slider.hzd.foot_placement import FootPlacement
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
+from slider.hzd.regulator import regulate
 from slider.hzd.step import PHASES, ClosedLoop
 from slider.hzd.walk import COORDINATES, find_cycles, linearise
 from slider.library.reader import STORE, GaitLibrary

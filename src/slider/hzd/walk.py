@@ -41,15 +41,15 @@ class ZeroDynamics:
     Attributes:
         orbit: ξ* (2, n, S, 4) at ``PHASES``.
         maps, inputs: A (2, n, r, r), B (2, n, r, 2).
-        swung, moved: ∂ξ(s)/∂ξ (2, n, S, r, r) and ∂ξ(s)/∂b (2, n, S, r, 2) at ``PHASES``.
+        by_state, by_input: ∂ξ(s)/∂ξ (2, n, S, r, r) and ∂ξ(s)/∂b (2, n, S, r, 2) at ``PHASES``.
         transition: ∂x/∂ξ (2, n, 22, r) of the states after the next impact.
     """
 
     orbit: np.ndarray
     maps: np.ndarray
     inputs: np.ndarray
-    swung: np.ndarray
-    moved: np.ndarray
+    by_state: np.ndarray
+    by_input: np.ndarray
     transition: np.ndarray
 
 
@@ -101,11 +101,11 @@ def linearise(
     r = along.shape[-1] - others.shape[-1]
     sampled, ahead = by_phase(sampled)[..., :r, :], ahead[..., :r, :]
     by_coordinate = np.linalg.inv(sampled[:, :, 0, :, :r])
-    swung = sampled[..., :r] @ by_coordinate[:, :, None]
+    by_state = sampled[..., :r] @ by_coordinate[:, :, None]
     ahead = np.concatenate([ahead[..., :r] @ by_coordinate, ahead[..., r:]], axis=-1)
-    maps, inputs = np.split(restrict(swung[:, :, middle(loop)], ahead), [r], axis=-1)
+    maps, inputs = np.split(restrict(by_state[:, :, middle(loop)], ahead), [r], axis=-1)
     transition = transition[..., :r] @ by_coordinate
-    return ZeroDynamics(orbit, maps, inputs, swung, sampled[..., r:], transition)
+    return ZeroDynamics(orbit, maps, inputs, by_state, sampled[..., r:], transition)
 
 
 def directions(

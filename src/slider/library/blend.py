@@ -1,9 +1,9 @@
 """A gait at any velocity: blended Bézier coefficients (virtual constraints) of the gaits around it.
 
-Joints come from the blended polynomials, so that velocities are the derivatives of positions. The
-roll about the foot line, those of ankles with a sole and the motion of the base are blended node by
-node. Between the gaits a
-blend satisfies their constraints only approximately, and it is no periodic solution.
+Joints come from the blended polynomials, so that velocities are the derivatives of positions. Roll
+about the foot line, ankle rolls of feet with soles and motion of the base are interpolated at each
+node. Between the gaits a blend satisfies dynamics and constraints only approximately, and it is not
+a periodic orbit.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,8 @@ class Gait:
         coefficients: (2, 10, degree + 1) Bézier coefficients [rad], as in the library.
         roll: (2, nodes, 3) roll of the stance foot about its line, its rate and acceleration.
         base: (2 · nodes, 13) motion of the base, as in the library.
-        last: (2 · nodes, 2, 2) positions and velocities of the last joints of both legs.
+        last: (2 · nodes, 2, 2) positions and velocities of the sixth joint of each leg
+            (``upper_foot`` or ``ankle_roll``).
         forward, leftward: (2 · nodes,) speed of the base in its heading frame [m/s].
     """
 
@@ -110,15 +111,15 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     )
 
 
-class GaitNumbers(NamedTuple):
+class GaitStatistics(NamedTuple):
     """Touchdowns of both feet [1/s], and variance of the forward velocity over time [m²/s²]."""
 
     touchdown_rate: float
     velocity_variance: float
 
 
-def gait_numbers(library: GaitLibrary, vx: float) -> GaitNumbers | None:
-    """Numbers of the blended gait at (vx, 0) [m/s]; none outside of the library.
+def gait_statistics(library: GaitLibrary, vx: float) -> GaitStatistics | None:
+    """Statistics of the blended gait at (vx, 0) [m/s]; none outside of the library.
 
     For comparison, not a bound: the gaits are not optimised for an even speed.
     """
@@ -130,7 +131,7 @@ def gait_numbers(library: GaitLibrary, vx: float) -> GaitNumbers | None:
     share = gait.step_time / gait.step_time.sum()
     mean = share @ _mean(speed)
     variance = float(share @ _mean((speed - mean) ** 2))
-    return GaitNumbers(float(1.0 / gait.step_time.mean()), variance)
+    return GaitStatistics(float(1.0 / gait.step_time.mean()), variance)
 
 
 def _mean(steps: np.ndarray) -> np.ndarray:

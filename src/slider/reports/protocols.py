@@ -64,15 +64,15 @@ share of robots that are still up.
 In the tables a segment counts from {settled:g} s after its start; the numbers are means over the
 robots that are up at its end. Errors are |mean − command|; the heading error is the largest
 deviation from the commanded heading, the integral of the yaw rate; touchdowns are those of both
-feet; the displacement is how far the base got. `{name}.csv` has all numbers.
+feet; the displacement is the base's, from first to last. `{name}.csv` has all numbers.
 """
 _CASES_CAPTION = """\
 {trials} trials of {robots} robots per controller and case, {duration:g} s each, from
 rest. A robot survives a case if it stays up for all of it. The other numbers are those of
 survivors, from {settled:g} s after the case's last command on. Where that command is zero, a robot
 stands if all means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest
-robot has the largest of these means, and the drift is how far the base got. Brackets hold Wilson's
-95 % interval. `{name}.csv` has all numbers.
+robot has the largest of these means, and the drift is the displacement of the base. Brackets hold
+Wilson's 95 % interval. `{name}.csv` has all numbers.
 """
 _SEGMENT_COLUMNS = (
     *("success_rate", "vx_error", "vy_error", "yaw_rate_error", "heading_error"),
@@ -262,7 +262,7 @@ def _ends(row: Mapping[str, float], name: str) -> list[float]:
 
 
 _KINDS = {
-    "speeds": ("Mean speed over the commanded speed", _SPEEDS_CAPTION, _speeds, _speed_tables),
+    "speeds": ("Mean speed and commanded speed", _SPEEDS_CAPTION, _speeds, _speed_tables),
     "segments": ("Changing commands", _SEGMENTS_CAPTION, _segments, _segment_tables),
     "cases": ("Cases", _CASES_CAPTION, _cases, _case_tables),
 }

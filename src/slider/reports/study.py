@@ -24,17 +24,17 @@ from slider.reports.quantities import QUANTITIES, quantity
 from slider.reports.report import picture
 from slider.training.results import Training
 
-WALKS = 0.95
-"""Share of robots that survive a check of a policy that has learned to walk."""
+LEARNED = 0.95
+"""Success rate in a check from which a policy counts as having learned to walk."""
 ALL, SHOWN = 40, 16
 """Variants up to which all are in the tables; of more, those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (
-    *("count", "mean", "std", "least", "greatest", "low", "high"),
+    *("count", "mean", "std", "min", "max", "low", "high"),
     *("change", "change_low", "change_high", "relative_change"),
 )
-_EITHER = ("converged", "reaches_best")
-"""Metrics that a run has or has not, whose interval is a proportion's."""
+_BINARY = ("converged", "reaches_best")
+"""Metrics of a run that are 0 or 1; their interval is Wilson's."""
 _CHECKS = ("success", "speed_error", "flight")
 
 
@@ -60,7 +60,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
-    """Checks of all trainings over their samples."""
+    """Learning curves: the checks of all trainings over their samples."""
     parts = []
     for (variant, seed, batch), folder in _items(section, inputs, "walking"):
         checks = Training.load(folder).checks
@@ -72,7 +72,7 @@ def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
 
 def _walks(curves: pd.DataFrame) -> pd.DataFrame:
     """Samples until a training first walks; ∞ for never."""
-    samples = curves["samples"].where(curves["success"] >= WALKS, np.inf)
+    samples = curves["samples"].where(curves["success"] >= LEARNED, np.inf)
     walks = curves[["variant", "seed"]].assign(samples_to_walk=samples)
     return walks.groupby(["variant", "seed"], sort=False)["samples_to_walk"].min().reset_index()
 
@@ -169,7 +169,7 @@ def summarise(
 def _statistics(metric: str, runs: pd.DataFrame) -> dict[str, float]:
     values = runs[metric].to_numpy(float)
     std, low, high = _spread(values)
-    if metric in _EITHER and len(values) > 1:
+    if metric in _BINARY and len(values) > 1:
         low, high = wilson(int(values.sum()), len(values))
     elif len(values) == 1 and metric == "success_rate":  # of the robots of the run
         low, high = runs[["success_low", "success_high"]].iloc[0]
@@ -199,7 +199,7 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
 
 
 def strongest(summary: pd.DataFrame) -> pd.DataFrame:
-    """The reference, the variants whose shares [%] change most, ``SHOWN`` in all, and all notes."""
+    """The reference and the variants whose shares [%] change most, ``SHOWN`` in all; all notes."""
     names = summary.loc[summary["metric"].notna(), "variant"].drop_duplicates()
     if len(names) <= ALL:
         return summary
@@ -212,10 +212,10 @@ def strongest(summary: pd.DataFrame) -> pd.DataFrame:
 
 
 def blocks(name: str, summary: pd.DataFrame) -> Iterator[str | Table]:
-    """Tables of a study: per metric variants down, speeds across."""
+    """Tables of a study, one per metric: a row per variant, a column per speed."""
     shown, count = strongest(summary), summary["variant"].nunique()
     yield (
-        "Means over runs (least to greatest); of a single run with its 95 % interval where there "
+        "Means over runs (min to max); of a single run with its 95 % interval where there "
         "is one. Errors and quality are those of surviving robots. \\*: the 95 % interval of the "
         f"change against the first row excludes 0. `{name}.csv` has all {count} variants."
     )
@@ -251,7 +251,7 @@ def _cell(metric: Quantity, row: Any) -> str:
     if row.count == 1:
         text = metric.between(row.mean, row.low, row.high)
     else:
-        text = metric.ranged(row.mean, row.least, row.greatest)
+        text = metric.ranged(row.mean, row.min, row.max)
     different = row.change_low > 0 or row.change_high < 0
     return f"{text} \\*" if different else text
 

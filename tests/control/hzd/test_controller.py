@@ -18,7 +18,7 @@ from slider.core.job import Job
 from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation import gait_walks
-from slider.hzd.gains import FootPlacement
+from slider.hzd.foot_placement import FootPlacement
 from tests import shared
 from tests.control.walking import walk
 from tests.env.synthetic import config, disturbance, robot_config

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from slider.config.control import HzdControlConfig
-from slider.control.hzd.motion import section
+from slider.control.hzd.motion import com_state
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.controller import PlantModel
 from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.evaluation.gait_walks import first_samples
-from slider.hzd.feedback import regulate
+from slider.hzd.regulator import regulate
 from slider.robot.mjcf import nominal_qpos
 from tests.control.hzd.test_controller import controlled, gaits, integrating
 from tests.env.synthetic import config, robot_config
@@ -159,7 +159,7 @@ def test_a_perturbed_step_ends_as_in_the_return_map(gait):
         state = physics.read()
         landed = memory.steps > before
         dynamics = model().evaluate(state.qpos, state.qvel)
-        ends[landed] = section(dynamics, memory.stance)[landed]
+        ends[landed] = com_state(dynamics, memory.stance)[landed]
         if (memory.steps == 2).all():
             break
         memory.mode[memory.steps == 2] = OFF

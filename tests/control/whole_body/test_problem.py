@@ -74,8 +74,8 @@ def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
     jacobian, target = (np.concatenate([part[k] for part in parts], axis=1) for k in (0, 1))
     weight = np.concatenate([part[2] for part in parts])
     contact, (of_joints, of_forces) = body.contact_jacobian(dynamics, feet), CONTROL.regularisation
-    ranks, rng = contact.shape[1], np.random.default_rng(2)
-    damping = np.array([of_forces] * ranks + [of_joints] * 10)
+    num_forces, rng = contact.shape[1], np.random.default_rng(2)
+    damping = np.array([of_forces] * num_forces + [of_joints] * 10)
 
     def cost(i: int, y: np.ndarray) -> float:
         error = jacobian[i] @ (follows(dynamics, contact, i) @ np.append(y, 1.0))
@@ -84,16 +84,16 @@ def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
 
     for i in range(COUNT):
         hessian, gradient = problem.hessian[i], problem.gradient[i]
-        for y in rng.normal(size=(3, ranks + 10)):
+        for y in rng.normal(size=(3, num_forces + 10)):
             change = cost(i, y) - cost(i, np.zeros_like(y))
             assert 0.5 * y @ hessian @ y + gradient @ y == pytest.approx(change, rel=1e-9)
             acceleration = follows(dynamics, contact, i) @ np.append(y, 1.0)
             efforts = dynamics.mass_matrix[i] @ acceleration + dynamics.bias[i]
-            efforts -= contact[i].T @ y[:ranks]
+            efforts -= contact[i].T @ y[:num_forces]
             found = problem.efforts[i] @ np.append(y, 1.0)
             np.testing.assert_allclose(found, efforts[DRIVEN], rtol=1e-9, atol=1e-9)
             # The motors turn slowly: the limits are those of the torque.
-            left = problem.upper[i, ranks : ranks + 10] - problem.rows[i, :10] @ y
+            left = problem.upper[i, num_forces : num_forces + 10] - problem.rows[i, :10] @ y
             torques = motor_torques(efforts[None, 6:])[0]
             np.testing.assert_allclose(TORQUE_LIMITS - left, torques, rtol=1e-9, atol=1e-9)
 

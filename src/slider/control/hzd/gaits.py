@@ -16,7 +16,7 @@ from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
 from slider.hzd.constraints import NodeTable, StepConstraints, Steps
-from slider.hzd.gains import FootPlacement
+from slider.hzd.foot_placement import FootPlacement
 from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.knee_map import KneeLengths

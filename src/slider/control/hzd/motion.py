@@ -1,4 +1,4 @@
-"""Measurements of robots in stance for steps by virtual constraints, and what the ground changes.
+"""Coordinates of the virtual constraints in single support, and how the ground changes them.
 
 All is in the frame of the stance foot, reflected in right stance. ``stance`` (n,) are the feet.
 """
@@ -30,7 +30,7 @@ _DRIVEN = np.array(GAIT_JOINTS)
 
 
 @dataclass(frozen=True)
-class Motion:
+class ControlledCoordinates:
     """Coordinates of n robots in stance: roll, yaw and driven joints, stance leg first.
 
     Attributes:
@@ -48,14 +48,14 @@ def side_of(stance: np.ndarray) -> np.ndarray:
     return np.where(stance == RIGHT, -1.0, 1.0)
 
 
-def motion(
+def controlled_coordinates(
     dynamics: Dynamics,
     stance: np.ndarray,
     heading: np.ndarray,
     yaw_rate: np.ndarray,
     signs: np.ndarray,
     soles: bool = False,
-) -> Motion:
+) -> ControlledCoordinates:
     """Coordinates; yaw counts from ``heading`` (n,) [rad], which turns with ``yaw_rate`` (n,).
 
     ``signs`` (10,) are those of the reflection of the driven joints.
@@ -77,25 +77,26 @@ def motion(
     joints = stance_first(dynamics.joints[:, _DRIVEN], right, signs)
     rate = point_velocity(jacobian, dynamics.qvel)
     rate[:, YAW] -= side * yaw_rate
-    return Motion(np.concatenate([roll[:, None], yaw[:, None], joints], axis=1), rate, jacobian)
+    x = np.concatenate([roll[:, None], yaw[:, None], joints], axis=1)
+    return ControlledCoordinates(x, rate, jacobian)
 
 
 def hip(dynamics: Dynamics, stance: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Place (n,) [m] and velocity [m/s] of the base along the foot's line, of yaw ``line`` (n,)."""
+    """Position (n,) [m] and velocity [m/s] of the base along a foot line of yaw ``line`` (n,)."""
     sole = dynamics.foot_positions[np.arange(len(stance)), stance, :2]
-    place = turn_to_heading(dynamics.base_position[:, :2] - sole, line)[:, 0]
-    return place, turn_to_heading(dynamics.qvel[:, :2], line)[:, 0]
+    position = turn_to_heading(dynamics.base_position[:, :2] - sole, line)[:, 0]
+    return position, turn_to_heading(dynamics.qvel[:, :2], line)[:, 0]
 
 
-def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
-    """ξ (n, 4) of the centre of mass: lateral place, horizontal velocity, forward place."""
+def com_state(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
+    """ξ = (c_y, ċ_y, ċ_x, c_x) (n, 4) of the centre of mass, from the stance sole [m], [m/s]."""
     rows = np.arange(len(stance))
     yaw = yaw_of(dynamics.foot_rotations[rows, stance])
-    place = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
-    place, speed = (turn_to_heading(v, yaw) for v in (place, dynamics.com_velocity[:, :2]))
+    position = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
+    position, speed = (turn_to_heading(v, yaw) for v in (position, dynamics.com_velocity[:, :2]))
     side = side_of(stance)
-    lateral = [side * place[:, 1], side * speed[:, 1]]
-    return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
+    lateral = [side * position[:, 1], side * speed[:, 1]]
+    return np.stack([*lateral, speed[:, 0], position[:, 0]], axis=1)
 
 
 def terrain_motion(

@@ -5,7 +5,14 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, EnforcedSteps, at_phase
-from slider.control.hzd.motion import Motion, hip, motion, section, side_of, terrain_motion
+from slider.control.hzd.motion import (
+    ControlledCoordinates,
+    com_state,
+    controlled_coordinates,
+    hip,
+    side_of,
+    terrain_motion,
+)
 from slider.control.whole_body.controller import PlantModel, Stepping, WalkingController
 from slider.control.whole_body.memory import WALK, Memory, Orbit
 from slider.control.whole_body.model import Dynamics
@@ -199,10 +206,10 @@ class HzdSteps(Stepping):
         robots: np.ndarray,
         dynamics: Dynamics,
         ground: Orders,
-    ) -> Motion:
+    ) -> ControlledCoordinates:
         """As if the ground were level, yaw of the line from where the gait's course has it."""
         stance, heading = memory.stance[robots], memory.heading[robots]
-        result = motion(
+        result = controlled_coordinates(
             dynamics, stance, heading, memory.yaw_rate(robots), self._signs, self._body.has_soles
         )
         result.x[:, YAW] += walk.turn * (walk.phase - 0.5)
@@ -211,7 +218,7 @@ class HzdSteps(Stepping):
         result.rate[:] -= ground[1] * walk.rate[:, None]
         return result
 
-    def _outputs(self, walk: EnforcedSteps, now: Motion, ground: Orders) -> Task:
+    def _outputs(self, walk: EnforcedSteps, now: ControlledCoordinates, ground: Orders) -> Task:
         """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
 
         There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
@@ -247,7 +254,7 @@ class HzdSteps(Stepping):
         place, speed = hip(dynamics, memory.stance[robots], walk.line)
         growth = self._period * self._config.hip_rate.upper / walk.duration
         self._synchronise(walk, phase_of(walk.hip, place), speed, growth)
-        error = section(dynamics, memory.stance[robots]) - at_phase(walk.orbit, walk.phase)
+        error = com_state(dynamics, memory.stance[robots]) - at_phase(walk.orbit, walk.phase)
         gains = at_phase(walk.gains, walk.phase, walk.by_hip.astype(int))
         target = -(gains @ error[:, :, None])[:, :, 0]
         target = np.clip(target, -self._gaits.reach, self._gaits.reach)

@@ -53,7 +53,7 @@ class WholeBody:
         self._points = np.array([[x, y] for x in (-geometry.heel, geometry.toe) for y in sides])
         self._joints = np.array(names.driven_joints(geometry))
         actuated = _BASE + self._joints
-        self._places = actuated, np.setdiff1d(np.arange(NUM_DOFS), actuated)
+        self._dofs = actuated, np.setdiff1d(np.arange(NUM_DOFS), actuated)
         self._motors = replace(motors, torque=config.effort_share * motors.torque)
         self._to_motors = motors.inverse[:, self._joints].copy()
 
@@ -77,8 +77,8 @@ class WholeBody:
         Motors that are ``idle`` (n, m) have no torque.
         """
         contact, actuated = self.contact_jacobian(dynamics, feet), len(self._joints)
-        n, ranks = contact.shape[:2]
-        size, cone = ranks + actuated, self._cone(ranks)
+        n, num_forces = contact.shape[:2]
+        size, cone = num_forces + actuated, self._cone(num_forces)
         hessian, gradient = np.empty((n, size, size)), np.empty((n, size))
         efforts = np.empty((n, actuated, size + 1))
         rows, offset = np.empty((n, actuated + len(cone), size)), np.empty((n, actuated))
@@ -87,12 +87,12 @@ class WholeBody:
         jacobians, desired, weights = zip(*tasks, strict=True)
         targets = np.concatenate(jacobians, 1), np.concatenate(desired, 1)
         accelerations, forces = self._config.regularisation
-        settings = np.repeat([forces, accelerations], [ranks, actuated]), self._to_motors
+        settings = np.repeat([forces, accelerations], [num_forces, actuated]), self._to_motors
         _reduce(
             terms,
             (*targets, np.sqrt(np.concatenate(weights))),
             settings,
-            self._places,
+            self._dofs,
             hessian,
             gradient,
             efforts,
@@ -112,10 +112,10 @@ class WholeBody:
         upper = np.concatenate([force_high, high - offset, zero], axis=1)
         return Problem(hessian, gradient, rows, lower, upper, efforts)
 
-    def _cone(self, ranks: int) -> np.ndarray:
+    def _cone(self, num_forces: int) -> np.ndarray:
         """Rows (4 · points, size) of ±fx − μ' fz ≤ 0 and ±fy − μ' fz ≤ 0, μ' = μ/√2."""
-        points = ranks // 3
-        cone = np.zeros((4 * points, ranks + len(self._joints)))
+        points = num_forces // 3
+        cone = np.zeros((4 * points, num_forces + len(self._joints)))
         for point in range(points):
             for row, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
                 cone[4 * point + row, 3 * point + axis] = sign
@@ -139,23 +139,23 @@ def _ground_points(
     jacobians: np.ndarray,
     rotations: np.ndarray,
     feet: np.ndarray,
-    places: np.ndarray,
+    offsets: np.ndarray,
     points: np.ndarray,
 ) -> None:
-    """Points (n, k, p, 3, 18) at ``places`` (p, 2) forward and leftward on a foot: J + ω × r."""
+    """Points (n, k, p, 3, 18) at ``offsets`` (p, 2) forward and leftward on a foot: J + ω × r."""
     for robot in range(len(feet)):
         for place, foot in enumerate(feet[robot]):
             jacobian, axes = jacobians[robot, foot], rotations[robot, foot]
-            for point in range(len(places)):
+            for point in range(len(offsets)):
                 for axis in range(3):
                     one, other = (axis + 1) % 3, (axis + 2) % 3
                     for dof in range(NUM_DOFS):
                         value = jacobian[axis, dof]
                         for side in range(2):
-                            if places[point, side] != 0.0:
+                            if offsets[point, side] != 0.0:
                                 turned = jacobian[3 + one, dof] * axes[other, side]
                                 turned -= jacobian[3 + other, dof] * axes[one, side]
-                                value += places[point, side] * turned
+                                value += offsets[point, side] * turned
                         points[robot, place, point, axis, dof] = value
 
 
@@ -167,7 +167,7 @@ def _reduce(
     terms: _Arrays,
     targets: _Arrays,
     settings: tuple[np.ndarray, np.ndarray],
-    places: tuple[np.ndarray, np.ndarray],
+    dofs: tuple[np.ndarray, np.ndarray],
     hessian: np.ndarray,
     gradient: np.ndarray,
     efforts: np.ndarray,
@@ -184,15 +184,15 @@ def _reduce(
         targets,
         settings,
     )
-    actuated = len(places[0])
-    size, count, free = hessian.shape[1], len(root_weight), len(places[1])
+    actuated = len(dofs[0])
+    size, count, free = hessian.shape[1], len(root_weight), len(dofs[1])
     mass_uu, unactuated = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
     columns, weighted, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
     product, coupling = np.empty((count, size + 1)), np.empty((actuated, free))
     motors, mass_rows = np.empty((actuated, size + 1)), np.empty((actuated, NUM_DOFS))
     for robot in range(len(mass)):
-        _eliminate(mass[robot], bias[robot], contact[robot], places, mass_uu, unactuated)
-        _multiply(jacobian[robot], places, unactuated, columns, product)
+        _eliminate(mass[robot], bias[robot], contact[robot], dofs, mass_uu, unactuated)
+        _multiply(jacobian[robot], dofs, unactuated, columns, product)
         for row in range(count):
             for column in range(size):
                 weighted[row, column] = root_weight[row] * product[row, column]
@@ -203,11 +203,11 @@ def _reduce(
             hessian[robot, place, place] += damping[place]
             gradient[robot, place] *= -1.0
         effort = efforts[robot]
-        for row, joint in enumerate(places[0]):
+        for row, joint in enumerate(dofs[0]):
             for dof in range(NUM_DOFS):
                 mass_rows[row, dof] = mass[robot, joint, dof]
-        _multiply(mass_rows, places, unactuated, coupling, effort)
-        for row, joint in enumerate(places[0]):
+        _multiply(mass_rows, dofs, unactuated, coupling, effort)
+        for row, joint in enumerate(dofs[0]):
             for column in range(contact.shape[1]):
                 effort[row, column] -= contact[robot, column, joint]
             effort[row, size] += bias[robot, joint]
@@ -221,19 +221,19 @@ def _reduce(
 @part
 def _multiply(
     matrix: np.ndarray,
-    places: tuple[np.ndarray, np.ndarray],
+    dofs: tuple[np.ndarray, np.ndarray],
     unactuated: np.ndarray,
     columns: np.ndarray,
     product: np.ndarray,
 ) -> None:
     """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), through its ``columns`` of q̈ᵤ."""
-    first = unactuated.shape[1] - 1 - len(places[0])
+    first = unactuated.shape[1] - 1 - len(dofs[0])
     for row in range(len(matrix)):
-        for place, dof in enumerate(places[1]):
+        for place, dof in enumerate(dofs[1]):
             columns[row, place] = matrix[row, dof]
     np.dot(columns, unactuated, product)
     for row in range(len(matrix)):
-        for place, dof in enumerate(places[0]):
+        for place, dof in enumerate(dofs[0]):
             product[row, first + place] += matrix[row, dof]
 
 
@@ -242,19 +242,19 @@ def _eliminate(
     mass: np.ndarray,
     bias: np.ndarray,
     contact: np.ndarray,
-    places: tuple[np.ndarray, np.ndarray],
+    dofs: tuple[np.ndarray, np.ndarray],
     mass_uu: np.ndarray,
     unactuated: np.ndarray,
 ) -> None:
     """Unactuated accelerations q̈ᵤ = S (f, q̈ₐ, 1): Mᵤᵤ S = (Jᵤᵀ, −Mᵤₐ, −hᵤ)."""
-    ranks = len(contact)
-    for row, joint in enumerate(places[1]):
-        for column in range(ranks):
+    num_forces = len(contact)
+    for row, joint in enumerate(dofs[1]):
+        for column in range(num_forces):
             unactuated[row, column] = contact[column, joint]
-        for place, dof in enumerate(places[0]):
-            unactuated[row, ranks + place] = -mass[joint, dof]
-        unactuated[row, ranks + len(places[0])] = -bias[joint]
-        for place, dof in enumerate(places[1]):
+        for place, dof in enumerate(dofs[0]):
+            unactuated[row, num_forces + place] = -mass[joint, dof]
+        unactuated[row, num_forces + len(dofs[0])] = -bias[joint]
+        for place, dof in enumerate(dofs[1]):
             mass_uu[row, place] = mass[joint, dof]
     _solve(mass_uu, unactuated)
 

@@ -181,7 +181,7 @@ _CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed e
 
 
 def draw_curves(curves: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
-    """Means over the seeds of a variant; bands reach from the least to the greatest.
+    """Means over the seeds of a variant; bands reach from the minimum to the maximum.
 
     ``curves`` are the checks of trainings, by variant, seed and samples.
     """

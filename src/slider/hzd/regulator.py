@@ -2,10 +2,9 @@
 
 Once per step, b_j = −K_j ξ_j changes a parameter of the step that ξ_{j+1} = A_j ξ_j + B_j b_j
 describes (Westervelt, Grizzle et al., "Feedback Control of Dynamic Bipedal Robot Locomotion", 2007,
-section 7.2). Here b displaces the swing foot, and each of its directions answers its own
-coordinates: a forward displacement also changes how long a step takes, and a regulator of both at
-once times steps in order to catch a lateral error. A joint one is taken where a walk's directions
-are coupled so much that the two regulators do not stabilise it.
+section 7.2). Here b displaces the swing foot, with one regulator for each direction. Where these
+decoupled regulators do not stabilise a walk, one coupled regulator is used. It is not the first
+choice, since it changes the duration of steps in order to correct lateral errors.
 """
 
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ from slider.hzd.walk import COORDINATES, ZeroDynamics, multipliers
 _WEIGHTS = ("position", "velocity", "velocity", "position")  # of the coordinates
 _Regulators = tuple[tuple[list[int], list[int]], ...]
 # Displacements, forward and leftward, and the coordinates that they answer.
-_APART: _Regulators = (([0], [2, 3]), ([1], [0, 1]))
-_TOGETHER: _Regulators = (([0, 1], [0, 1, 2, 3]),)
+_DECOUPLED: _Regulators = (([0], [2, 3]), ([1], [0, 1]))
+_COUPLED: _Regulators = (([0, 1], [0, 1, 2, 3]),)
 
 
 @dataclass(frozen=True)
@@ -31,8 +30,8 @@ class Regulator:
     Attributes:
         gains: K (2, 2, r): b = −K ξ.
         phase_gains: K(s) (2, S, 2, 4).
-        multipliers: moduli per step of those of the walk, greatest first, without foot placement
-            and with it (2, r).
+        multipliers: moduli per step of the Floquet multipliers, in descending order, without foot
+            placement and with it (2, r).
     """
 
     gains: np.ndarray
@@ -41,13 +40,13 @@ class Regulator:
 
 
 def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regulator:
-    """Foot placement of one of the gaits: a regulator for each direction, else a joint one.
+    """Foot placement of one of the gaits: decoupled regulators, else a coupled one.
 
     Raises:
         UserError: no displacement of the foot stabilises the walk.
     """
     reason = ""
-    for regulators in (_APART, _TOGETHER):
+    for regulators in (_DECOUPLED, _COUPLED):
         try:
             found = _closed(walk, gait, config, regulators)
         except (np.linalg.LinAlgError, ValueError) as error:
@@ -64,12 +63,12 @@ def _closed(
     walk: ZeroDynamics, gait: int, config: FootPlacementConfig, regulators: _Regulators
 ) -> Regulator:
     maps, inputs = walk.maps[:, gait], walk.inputs[:, gait]
-    swung, moved = walk.swung[:, gait], walk.moved[:, gait]
+    by_state, by_input = walk.by_state[:, gait], walk.by_input[:, gait]
     weights = np.array([getattr(config, name) for name in _WEIGHTS])
-    (_, phases, r, _), width, steps = swung.shape, len(COORDINATES), range(2)
+    (_, phases, r, _), width, steps = by_state.shape, len(COORDINATES), range(2)
     gains, phase_gains = np.zeros((2, 2, r)), np.zeros((2, phases, 2, width))
-    for axes, places in regulators:
-        answered = [place for place in places if place < r]
+    for axes, coordinates in regulators:
+        answered = [index for index in coordinates if index < r]
         gain = periodic_lqr(
             maps[np.ix_(steps, answered, answered)],
             inputs[np.ix_(steps, answered, axes)],
@@ -77,8 +76,8 @@ def _closed(
             config.displacement * np.eye(len(axes)),
         )
         gains[np.ix_(steps, axes, answered)] = gain
-        flow = swung[np.ix_(steps, range(phases), answered, answered)]
-        flow = flow - moved[np.ix_(steps, range(phases), answered, axes)] @ gain[:, None]
+        flow = by_state[np.ix_(steps, range(phases), answered, answered)]
+        flow = flow - by_input[np.ix_(steps, range(phases), answered, axes)] @ gain[:, None]
         at_phase = gain[:, None] @ np.linalg.inv(flow)
         phase_gains[np.ix_(steps, range(phases), axes, answered)] = at_phase
     cycles = maps, maps - inputs @ gains
@@ -92,7 +91,7 @@ def periodic_lqr(
     """Gains K (k, m, r) of a cycle of k maps A (k, r, r), B (k, r, m).
 
     The cycle as one time-invariant system (Bittanti and Colaneri, "Periodic Systems", 2009,
-    section 6.3): the states of all sections side by side, each map leading to the next place.
+    section 6.3): the states of all sections side by side, each map leading to the next one.
 
     Raises:
         LinAlgError, ValueError: no displacement of the foot stabilises the walk.

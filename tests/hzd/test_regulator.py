@@ -5,7 +5,7 @@ import pytest
 
 from slider.config.hzd import FootPlacementConfig
 from slider.core.errors import UserError
-from slider.hzd.feedback import periodic_lqr, regulate
+from slider.hzd.regulator import periodic_lqr, regulate
 from slider.hzd.walk import ZeroDynamics
 
 

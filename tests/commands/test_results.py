@@ -127,6 +127,23 @@ def test_trainings_have_an_interval_to_the_mpc():
     ]
 
 
+def test_robots_have_a_row_each_and_their_controllers_beside_the_policy():
+    rows = "variant,label,changes,speed,metric,mean\n"
+    for variant, label, changes in (
+        ("a", "A", "robot=a"),
+        ("b", "B", "robot=b"),
+        ("a_hzd", '"A, HZD"', ""),
+        ("b_hzd", '"B, HZD"', ""),
+    ):
+        for speed in (0.2, 0.4):
+            for name, mean in (("success_rate", 1.0), ("tracking_rate", speed)):
+                rows += f"{variant},{label},{changes},{speed},{name},{mean}\n"
+    Path("reports/robots.csv").write_text(rows)
+    _, heads, _, first, _, *_ = filled("robots")
+    assert heads == "| robot | overrides | policy | HZD |"
+    assert first == "| A | `robot=a` | 100/20 100/40 | 100/20 100/40 |"
+
+
 def test_a_picture_is_copied_beside_the_pages():
     Path("reports/figures").mkdir()
     Path("reports/figures/tradeoff.svg").write_text("<svg/>")

@@ -247,6 +247,26 @@ def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
     )
 
 
+def robots(report: Path) -> str:
+    """A row per robot: its overrides, and of each controller who survives and who tracks."""
+    frame = read(report).fillna({"changes": ""})
+    rates = frame.set_index(["metric", "variant"])["mean"].mul(100).map("{:.0f}".format)
+    labels = frame.drop_duplicates("variant").set_index("variant")[["label", "changes"]]
+    mine = labels[labels["changes"] != ""]
+    first, name = mine.index[0], f"{mine['label'].iloc[0]}, "
+    others = [v.removeprefix(first) for v in labels.index if v.startswith(f"{first}_")]
+    body = [
+        [label, f"`{changes}`"]
+        + [
+            " ".join(map("/".join, zip(*(rates[r, robot + c] for r in _RATES), strict=True)))
+            for c in ("", *others)
+        ]
+        for robot, label, changes in mine.itertuples()
+    ]
+    heads = [labels.at[first + other, "label"].removeprefix(name) for other in others]
+    return Table(["robot", "overrides", "policy", *heads], body).markdown
+
+
 def markdown_tables(report: Path, count: int | None = None) -> str:
     """Headings, as bold lines, and the first ``count`` tables of a Markdown report."""
     parts: list[str] = []
@@ -288,6 +308,7 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str] | None, *tuple[str, ...]]] = 
     "overview": ("table1.csv", overview, "seeds.csv"),
     "tradeoff": ("figures/tradeoff.svg", picture),
     "summary": ("table1.csv", summary),
+    "robots": ("robots.csv", robots),
     "times": ("table1.csv", None),
     "learning": ("gait_quality.csv", learning),
     **{n: (f"{n}.md", partial(markdown_tables, count=count)) for n, count in _COUNTS.items()},

@@ -28,6 +28,12 @@ def test_snakemake_still_has(what):
     assert text in inspect.getsource(owner), f"{owner.__qualname__} has no longer: {text.strip()}"
 
 
+def test_mujocos_web_viewer_still_keeps_its_address():
+    web_viewer = pytest.importorskip("mujoco.studio.web_viewer")
+    text = inspect.getsource(web_viewer.WebViewer)
+    assert "self._host, config.http_port" in text, "expected WebViewer to listen at self._host"
+
+
 def test_mlflow_still_reads_the_place_of_its_files():
     text = inspect.getsource(utils)
     assert f'"{ARTIFACT_ROOT}"' in text, f"expected {ARTIFACT_ROOT} in {utils.__name__}"

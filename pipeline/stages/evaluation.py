@@ -120,8 +120,8 @@ def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None
 
 
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
-    """Every gait from its own first sample, with the first controller that walks by gaits."""
-    for name in gait_controllers(config)[:1]:
+    """Every gait from its own first sample, with ``hzd`` or another one that walks by gaits."""
+    for name in sorted(gait_controllers(config), key=lambda name: name != "hzd")[:1]:
         section, inputs = controlled(config, name, jobs)
         section = without(section, "controller") | {"steps": config.hzd.steps}
         return {"gait_walks": job("gait_walks", "walks of all gaits", section, inputs)}

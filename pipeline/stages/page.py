@@ -32,11 +32,9 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
         if name == need or name in available:
             inputs[name] = available[name]
     shown = _shown(config, inputs)
-    names = [f"{name}{end}" for end in ("", ONBOARD) for name in (POLICY, *shown["control"])]
     section = {
         "report": to_dict(config.report),
         "configuration": shown,
-        "labels": labels(config, names),
         "origins": {name: [origin(item) for item in jobs] for name, jobs in inputs.items()},
     }
     return job("report", "report", section, inputs)

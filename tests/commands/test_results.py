@@ -76,7 +76,9 @@ def test_a_block_has_the_reports_tables_and_their_origin():
     assert "# Table 1" not in lines
     assert lines[-1] == "Text."
     (origin,) = (line for line in lines if line.startswith("Made by `snakemake -j2 reports/table1"))
-    assert origin.endswith(", commit `01234567`, 2026-11-23, Processor X, 2 cores, Linux.")
+    assert origin.endswith(
+        ", commit `01234567`, 2026-11-23, 2 processor minutes, Processor X, 2 cores, Linux."
+    )
 
 
 HEAD = "controller,label,source,speed,success_rate,tracking_rate,mse_steady,mse\n"
@@ -139,7 +141,8 @@ def test_robots_have_a_row_each_and_their_controllers_beside_the_policy():
             for name, mean in (("success_rate", 1.0), ("tracking_rate", speed)):
                 rows += f"{variant},{label},{changes},{speed},{name},{mean}\n"
     Path("reports/robots.csv").write_text(rows)
-    _, heads, _, first, _, *_ = filled("robots")
+    lines = filled("robots")
+    heads, _, first = lines[lines.index("<!-- results: robots -->") + 2 :][:3]
     assert heads == "| robot | overrides | policy | HZD |"
     assert first == "| A | `robot=a` | 100/20 100/40 | 100/20 100/40 |"
 

@@ -129,13 +129,15 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         print(f"slider results: {name} stays, {missing[0]} is missing: {command}", file=sys.stderr)
         return match[0]
     jobs = [job for path in read_from for job in _newest(path, store)]
+    runs = _run_metadata(jobs, store)
     try:
-        text = body(report) if body else stage_times(jobs, store)
+        text = body(report) if body else stage_times(runs)
     except KeyError as error:
         raise UserError(f"expected the column {error} in {report}, found none") from None
     latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
     digests = "".join(_digests(job.recipe, store) for job in jobs)
-    return f"{match[1]}\n{text}\n\n{origin(command, latest)}\n\n<!-- /results{digests} -->"
+    made = origin(command, latest, runs["cpu_s"].sum() / 60)
+    return f"{match[1]}\n{text}\n\n{made}\n\n<!-- /results{digests} -->"
 
 
 def _newest(report: Path, store: Store) -> list[Manifest]:
@@ -155,13 +157,14 @@ def _digests(recipe: str, store: Store) -> str:
     return ""
 
 
-def origin(command: str, metadata: dict[str, Any]) -> str:
-    """Line below a table: command, commit, date, machine."""
+def origin(command: str, metadata: dict[str, Any], minutes: float) -> str:
+    """Line below a table: command, commit, date, processor time of all jobs, machine."""
     command += config_option(str(metadata.get("overrides", "")))
     commit = f"commit `{metadata['commit'][:8]}`" if "commit" in metadata else "commit unknown"
     changed = " with changes" if metadata.get("dirty") == "true" else ""
     date, machine = metadata.get("ended", "unknown date")[:10], metadata.get("machine", "unknown")
-    return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
+    time = f"{minutes:.0f} processor minutes"
+    return f"Made by `{command}`, {commit}{changed}, {date}, {time}, {machine}."
 
 
 def picture(report: Path) -> str:
@@ -280,20 +283,24 @@ def markdown_tables(report: Path, count: int | None = None) -> str:
     return "\n\n".join(parts)
 
 
-def stage_times(jobs: list[Manifest], store: Store) -> str:
-    """Jobs, threads, wall and processor time of each stage that a result was made by."""
+def _run_metadata(jobs: list[Manifest], store: Store) -> pd.DataFrame:
+    """Stage, threads, wall and processor time of some jobs and of all that they depend on."""
     waiting, ancestors = [*jobs], {}
     while waiting:
         job = waiting.pop()
         ancestors[job.recipe] = job.stage
         recipes = {recipe for group in job.inputs.values() for recipe in group} - set(ancestors)
         waiting += [parse_manifest(p) for r in recipes for p in store.root.glob(f"*/{r}.json")]
-    metadata = pd.DataFrame(
+    return pd.DataFrame(
         [{"stage": stage} | store.metadata(stage, recipe) for recipe, stage in ancestors.items()],
         columns=["stage", "threads", "wall_s", "cpu_s"],
     )
-    stages, body = metadata.groupby("stage"), []
-    for stage in in_order(metadata["stage"]):
+
+
+def stage_times(runs: pd.DataFrame) -> str:
+    """Jobs, threads, wall and processor time of each stage."""
+    stages, body = runs.groupby("stage"), []
+    for stage in in_order(runs["stage"]):
         mine = stages.get_group(stage)
         minutes = (mine[["wall_s", "cpu_s"]].sum() / 60).map("{:.1f}".format)
         body.append([stage_title(stage), f"{len(mine)}", f"{mine['threads'].max():g}", *minutes])

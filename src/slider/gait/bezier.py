@@ -7,7 +7,7 @@ import numpy as np
 
 
 def basis_orders(degree: int, s: np.ndarray, orders: int) -> list[np.ndarray]:
-    """Bernstein polynomials and their derivatives by s, each (len(s), degree + 1)."""
+    """Bernstein polynomials and their derivatives with respect to s, each (len(s), degree + 1)."""
     s, exponents = np.asarray(s, dtype=float)[:, None], np.arange(degree + 1)
     ahead, behind = s**exponents, (1 - s) ** exponents
     matrices = []
@@ -20,7 +20,7 @@ def basis_orders(degree: int, s: np.ndarray, orders: int) -> list[np.ndarray]:
 
 
 def evaluate(coefficients: np.ndarray, s: np.ndarray, order: int = 0) -> np.ndarray:
-    """Polynomials or their derivatives (len(s), n) of coefficients (n, degree + 1)."""
+    """Polynomials with coefficients (n, degree + 1), or a derivative of them, at s (len(s), n)."""
     return basis_orders(coefficients.shape[1] - 1, s, order + 1)[order] @ coefficients.T
 
 
@@ -31,5 +31,5 @@ def _binomial(degree: int) -> np.ndarray:
 
 @cache
 def _difference(degree: int) -> np.ndarray:
-    """Coefficients of the derivative from those of the polynomial (degree, degree + 1)."""
+    """Matrix (degree, degree + 1) from a polynomial's coefficients to its derivative's."""
     return degree * (np.eye(degree, degree + 1, k=1) - np.eye(degree, degree + 1))

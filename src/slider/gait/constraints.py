@@ -1,7 +1,7 @@
 """All constraints of a gait, in the order in which the solver has them, in SI units.
 
-To add one: a function of a node that ``bounded`` registers, and its line in ``gait.bounds``. Those
-that every gait has are the lists below. The collocation's own rows are in ``slider.gait.problem``.
+To add one, register a function of a node with ``bounded`` and bound it in ``gait.bounds``. The
+lists below are in every gait. The collocation's defects are in ``slider.gait.problem``.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, SIDES
 ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
 _LENGTH = 0.1  # scale of small lengths [m]
 
-# One for all rows, or (n,), or for rows of a node a function of the phases (S,) that gives (S, n).
+# A number for all rows, (n,), or, for rows of a node, a function that maps phases (S,) to (S, n).
 Bound = float | np.ndarray | Callable[[np.ndarray], np.ndarray]
 Rows = ca.SX | list[ca.SX]
 
@@ -32,8 +32,8 @@ class Constraint:
         name: under which residuals are reported.
         rows: (n,).
         lower, upper: bounds.
-        scale: what the solver divides by.
-        node_lower: lower bound at the nodes, where it leaves a margin for what happens between.
+        scale: divisor of rows and bounds in the solver.
+        node_lower: lower bound at the nodes, with a margin for the motion between them.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Constraint:
         return self.expression.numel()
 
     def bounds(self, phase: np.ndarray, at_nodes: bool = True) -> list[np.ndarray]:
-        """Scaled lower and upper bounds (S, n) at phases (S,), with the nodes' margin or not."""
+        """Scaled bounds (S, n), lower and upper, at phases (S,); ``at_nodes``: by ``node_lower``."""
         lower = self.node_lower if at_nodes and self.node_lower is not None else self.lower
         sides = (side(phase) if callable(side) else side for side in (lower, self.upper))
         return [np.broadcast_to(side, (len(phase), self.size)) / self.scale for side in sides]
@@ -76,7 +76,7 @@ def within(name: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
 
 
 def scaled_rows(constraints: Sequence[Constraint]) -> ca.SX:
-    """All rows as the solver has them."""
+    """All rows, scaled for the solver."""
     return ca.vertcat(*[c.expression / c.scale for c in constraints])
 
 
@@ -108,7 +108,7 @@ def of_node(node: Node) -> list[Constraint]:
     """Constraints at every node of both steps.
 
     Raises:
-        UserError: ``gait.bounds`` has a name that no function has.
+        UserError: ``gait.bounds`` has a name that is not registered.
     """
     constraints = [*_loads(node), *_legs(node), *_torso(node)]
     for name, bound in node.form.config.bounds.items():
@@ -179,9 +179,9 @@ def _legs(node: Node) -> list[Constraint]:
 def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
     """Parabola over the step as a bound of toe and heel (S, 2) [m].
 
-    Before phase ``first`` and after 1 − ``first`` the foot has only not to scuff; at the very ends
-    touchdown and lift-off have their own constraints. The phase does not depend on the nodes:
-    otherwise each mesh would have a problem of its own.
+    Before phase ``first`` and after 1 − ``first`` the foot must only not scuff; at the very ends
+    touchdown and lift-off have their own constraints. ``first`` does not depend on the mesh:
+    otherwise each mesh would pose a different problem.
     """
 
     def bound(phase: np.ndarray) -> np.ndarray:
@@ -193,7 +193,7 @@ def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _torso(node: Node) -> list[Constraint]:
-    """Sines of roll, pitch and yaw from the course; without bounds of the rates the torso rocks."""
+    """Sines of the torso's roll, pitch and yaw from the course, and rates, else the torso rocks."""
     posture, base, r = node.form.config.posture, node.base, node.base.rotation
     rate = base.angular - r.T @ ca.vertcat(0, 0, node.yaw_rate)
     torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
@@ -257,7 +257,7 @@ def of_walk(
         foot = form.tree.point(poses(*end)[f"{SWING}_{form.tree.ground}"], form.tree.sole)[0]
         steps.append(rotate_back(foot, turn / 2)[:2])
     travel = steps
-    if form.turning:  # feet and base go along arcs of their own
+    if form.turning:  # feet and base move along different arcs
         pairs = zip(starts, ends, strict=True)
         bases = [[poses(*side)["base"].origin for side in pair] for pair in pairs]
         travel = [(last - first)[:2] for first, last in bases]
@@ -276,10 +276,10 @@ def of_walk(
 
 
 def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the variables (10,) [rad, m]; ``position`` has those of pitch and ankle.
+    """Bounds of the joint variables (10,) [rad, m]; ``position`` bounds hip pitch and ankle.
 
-    ``posture`` bounds the flexion; a knee of the robot's own counts from its nominal one. A slide
-    without a virtual knee has its own range.
+    ``posture`` bounds the knee's flexion; a robot's own knee joint is zero at the nominal flexion.
+    A slide without a virtual knee has its own range.
     """
     posture, geometry = form.config.posture, form.robot.geometry
     bounds, bend = form.robot.joint_ranges[:, GAIT_JOINTS], geometry.bend

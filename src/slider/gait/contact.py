@@ -25,11 +25,11 @@ def impact(
     after: StepEnd,
     turn: ca.SX,
 ) -> tuple[InverseDynamics, Motion]:
-    """Impulsive torques and impulses on the foot that lands, yawed by ``turn`` [rad].
+    """Joint impulses and the impulse on the landing foot, which is yawed by ``turn`` [rad].
 
     A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``poses`` are those
-    before it in the old step's coordinates; those of ``after`` are reflected. Also the jump of the
-    body on the ground.
+    before the impact in the old step's coordinates; ``after`` is in the new, reflected ones. The
+    second result is the velocity jump of the body on the ground, which stops.
     """
     tree = form.tree
     foot, landing = poses[f"{SWING}_foot"], poses[f"{SWING}_{tree.ground}"]

@@ -7,12 +7,12 @@ import casadi as ca
 
 from slider.gait.formulation import Node
 
-_SMALL_POWER = 1.0  # rounds the corner of |power| at zero [W]
+_SMALL_POWER = 1.0  # smooths |power| at zero [W]
 
 
 @dataclass(frozen=True)
 class Cost:
-    """A cost by its name in ``gait.cost``.
+    """A cost that ``gait.cost`` selects by name.
 
     Attributes:
         node: term of a node, from the node and its Simpson weight (a step's weights sum to one).

@@ -1,9 +1,9 @@
 """Symbolic dynamics of the robot in the virtual knee's coordinates, rooted at the stance foot.
 
 The recursive Newton-Euler pass follows Featherstone, *Rigid Body Dynamics Algorithms* (2008),
-chapter 5, in body frames. Bodies move as the prismatic leg's do (``PrismaticTree``: eq. 1 is a
-change of coordinates, and the dynamics are the real leg's, rotors included), or as the virtual
-knee's (``StanceTree``).
+chapter 5, in body frames. The bodies are those of the prismatic leg (``PrismaticTree``: eq. 1 is a
+change of coordinates, and the dynamics are the real leg's, rotors included), or of the virtual knee
+(``StanceTree``).
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ from slider.robot import names
 from slider.robot.bodies import Body, knee_bodies, own_bodies
 from slider.robot.transmission import leg_inertia
 
-# Of a body in its own frame: angular velocity, angular acceleration, the origin's less gravity.
+# Of a body, in its frame: angular velocity, angular and (minus gravity) linear acceleration.
 Motion = tuple[ca.SX, ca.SX, ca.SX]
 
 
@@ -41,7 +41,7 @@ class InverseDynamics:
 
     Attributes:
         torques: of the virtual knee's joints (10,) [N m].
-        efforts: of the prismatic legs' joints, the same work (10,) [N m, N].
+        efforts: of the prismatic legs' joints, equivalent by virtual work (10,) [N m, N].
         force, moment: on the stance foot at its origin [N], [N m].
         swing_roll: effort of the swing ankle's roll, where there is one (1,) [N m].
     """
@@ -59,13 +59,13 @@ class StanceTree:
     def __init__(self, robot: Mechanism) -> None:
         self.map = LegMap.of(robot)
         self.roll_inertia = self.roll_damping = 0.0  # of the ankle's roll
-        self.upper_link = "pitch"  # from which the line to the ankle is the leg
+        self.upper_link = "pitch"  # the leg is the line from its origin to the ankle
         self.bodies, self.edges = self._tree(robot)
         self.ground = "foot" if robot.geometry.sole is None else "sole"  # the body on the ground
-        self.axis = robot.geometry.ankle_roll  # about which the leg rolls, in the foot's frame [m]
+        self.axis = robot.geometry.ankle_roll  # a point on the leg's roll axis, foot frame [m]
         down = np.array([0.0, 0.0, -robot.geometry.ankle_height])
         self.sole = down if self.ground == "foot" else down - self.axis  # in the ground body's
-        self._rise = ca.sparsify(ca.DM(self.axis - down))  # of the roll axis
+        self._rise = ca.sparsify(ca.DM(self.axis - down))  # of the roll axis above the ground
 
     def _tree(self, robot: Mechanism) -> tuple[dict[str, Body], list[Edge]]:
         axes, knee = robot.geometry.axes, robot.sliding_leg
@@ -73,7 +73,7 @@ class StanceTree:
         return _both_legs(knee_bodies(robot)), edges_of(*legs)
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
-        """The stance foot, or talus; the middle of line or sole is the world's origin."""
+        """Pose of the stance foot, or talus; the world's origin is the middle of line or sole."""
         r = rotation(0, roll)
         angular = ca.vertcat(roll_rate, 0, 0)
         up = -ca.DM(self.axis)
@@ -112,7 +112,7 @@ class StanceTree:
     def all_joints(self, roll: ca.SX, q: ca.SX, *rates: tuple[ca.SX, ca.SX]) -> tuple[ca.SX, ...]:
         """Positions, velocities and accelerations with the swing ankle's roll, where it has one.
 
-        It keeps the sole level. ``rates`` are those of roll and joints (10,).
+        That roll keeps the sole level. ``rates`` are those of roll and joints (10,).
         """
         if self.ground == "foot":
             return q, *(joints for _, joints in rates)
@@ -123,7 +123,7 @@ class StanceTree:
 
     @cached_property
     def _levels(self) -> ca.Function:
-        """Angle of the swing ankle's roll, and its derivatives, of those of roll and joints."""
+        """Angle of the swing ankle's roll and its derivatives, from those of roll and joints."""
         x, rate, turn = (ca.SX.sym(name, 1 + NUM_JOINTS) for name in ("x", "rate", "turn"))
         pose, zero = self.foot_pose(x[0], ca.SX(0)), ca.SX.zeros(NUM_JOINTS)
         for edge in self.edges[:-1]:
@@ -142,7 +142,7 @@ class StanceTree:
         return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
     def roll_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
-        """Force on the leg and moment about its roll axis's place, world axes."""
+        """Force on the leg, and moment about a point on its roll axis, world axes."""
         r = rotation(0, roll)
         moment = dynamics.moment - ca.cross(ca.DM(self.axis), dynamics.force)
         return r @ dynamics.force, r @ moment
@@ -150,7 +150,7 @@ class StanceTree:
     def roll_impulse(
         self, jump: InverseDynamics, before: Sequence[ca.SX], after: Sequence[ca.SX]
     ) -> ca.SX:
-        """Impulse about the roll axis of the leg that lands, with its ankle's rotor.
+        """Impulse [N m s] about the landing leg's roll axis, with its ankle's rotor.
 
         ``before`` and ``after``: roll, its rate, joints and rates; ``after`` is reflected.
         """
@@ -166,7 +166,7 @@ class StanceTree:
     ) -> tuple[ca.SX, ca.SX]:
         """Ground force and moment at the middle of line or sole, world axes.
 
-        ``sole`` is the motion that the ground gives a sole, against gravity if it is left out.
+        ``sole`` is the motion of the sole on the ground, by default at rest under gravity.
         """
         force, moment = self.roll_wrench(roll, dynamics)
         if self.ground == "sole":
@@ -202,7 +202,7 @@ class OwnTree(StanceTree):
         return _both_legs(own_bodies(robot)), edges
 
     def newton_euler(self, foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX) -> InverseDynamics:
-        """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
+        """As :meth:`StanceTree.newton_euler`, for the prismatic legs with rotors and damping."""
         efforts, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         efforts += self._inertia @ a + self._damping * v
         driven = efforts[:NUM_JOINTS]
@@ -236,7 +236,7 @@ def _both_legs(bodies: Mapping[str, Body]) -> dict[str, Body]:
 def _pass(
     edges: list[Edge], bodies: Mapping[str, Body], foot: Motion, q: ca.SX, v: ca.SX, a: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Joint efforts (10,), force and moment on the stance foot of a motion."""
+    """Joint efforts (10,), force and moment on the stance foot that produce a motion."""
     motion = {f"{STANCE}_foot": foot}
     frames: dict[str, ca.SX] = {}
     for edge in edges:

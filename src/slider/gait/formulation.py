@@ -1,9 +1,9 @@
-"""What a gait is for all velocities, and the expressions of its constraints and costs.
+"""The part of the gait problem that all velocities share, with expressions for its rows and costs.
 
-Two steps make a walk. The second is written in reflected coordinates, so that the stance foot is
-always the left one and the same functions serve both. A turning walk's course has the commanded
-yaw rate ω: in a step of duration T it goes from −ω T/2 to ω T/2 against the stance foot's line,
-and the next foot lands yawed by ω T. In the reflected step ω has the other sign.
+A walk has two steps. The second is written in reflected coordinates, so that the stance foot is
+always the left one and the same functions serve both. The course (direction of travel) of a turning
+walk has the commanded yaw rate ω: in a step of duration T it turns from −ω T/2 to ω T/2 relative to
+the stance foot's line, and the next foot lands yawed by ω T. In the reflected step ω is negated.
 """
 
 from dataclasses import asdict, dataclass
@@ -39,7 +39,7 @@ class Formulation:
 
     @cached_property
     def tree(self) -> StanceTree:
-        """Kinematics and dynamics on the left foot: of the leg as it is, or the virtual knee."""
+        """Kinematics and dynamics in left stance, of the leg as built or of the virtual knee."""
         if self.robot.virtual_knee is None:
             return OwnTree(self.robot)
         return (StanceTree if self.config.dynamics == "knee" else PrismaticTree)(self.robot)
@@ -108,23 +108,23 @@ class StepEnd(NamedTuple):
 
 
 class Node:
-    """Expressions at a node of a step, of its vector (34,).
+    """Expressions at a node of a step, as functions of its vector (34,).
 
     Attributes:
         form: the formulation of the gait.
         symbols: variables of the node.
         dynamics: joint torques and efforts.
-        force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
+        force, moment: ground reaction at the middle of the foot line [N], [N m], world axes.
         poses: of all bodies; ``base`` is the torso's.
         motor_torques, motor_speeds: both legs', stance first, from the hip down (m,)
-            [N m], [rad/s]. The slide's force is work over |dl/dθ|, which vanishes for a straight
-            leg: the knee's lower bound keeps away from it.
+            [N m], [rad/s]. The slide's force is a torque over |dl/dθ|, which vanishes for a
+            straight leg: the knee's lower bound avoids it.
         torque_shares: motor torques / limits (m,) [-].
         voltage_shares: torque / stall torque + speed / no-load speed (m,): shares of the bus
             voltage [-].
         ankle_rolls: positions, velocities and efforts (2,) of both ankles' rolls, the stance leg
             first; zero where a foot is a line.
-        yaw_rate, course: of the walk [rad/s]; its angle from the stance foot's line [rad].
+        yaw_rate, course: of the walk [rad/s], and its angle from the stance foot's line [rad].
     """
 
     def __init__(self, form: Formulation, x: ca.SX, turn: ca.SX) -> None:
@@ -150,7 +150,7 @@ class Node:
         self.course = self.yaw_rate * turn[1] * s.step_time
 
     def along_course(self, vector: ca.SX) -> ca.SX:
-        """A world vector (3,) forward, leftward and upward of the course."""
+        """Components (3,) of a world vector forward along the course, leftward and upward."""
         return rotate_back(vector, self.course)
 
     def foot_ends(self, leg: str) -> list[ca.SX]:
@@ -159,10 +159,10 @@ class Node:
         return [self.form.tree.point(foot, end)[0] for end in self.form.foot_ends]
 
     def leg_distances(self) -> list[ca.SX]:
-        """Lateral, in the base's axes, of foot ends from foot ends and of tube top from tube top.
+        """Lateral distances, in the base frame, of the feet's ends and of the tubes' tops.
 
-        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart. The
-        top of a leg with a knee is taken as far beyond the hip, on the line from the ankle.
+        The lateral coordinate is linear along a tube: tubes whose ends are apart are apart. A leg
+        with a knee is taken as such a tube, on the line from the ankle through the hip.
         """
         feet = [self.foot_ends(leg) for leg in (STANCE, SWING)]
         tops, geometry, upper = [], self.form.robot.geometry, self.form.tree.upper_link
@@ -185,7 +185,7 @@ class Node:
         return [*map(ca.vertcat, stance, (*swing, self.dynamics.swing_roll))]
 
     def stored(self) -> list[ca.SX]:
-        """Expressions that a gait stores of a node.
+        """Expressions that a gait stores for each node.
 
         Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
         (10 each), base rotation (9, columns first), origin, velocity (world) and angular velocity

@@ -1,4 +1,4 @@
-"""Where the optimisation starts: a crouched walk in place or forward, or a random one about it."""
+"""Initial guesses: a crouched walk, in place or forward, or a random perturbation of it."""
 
 from typing import NamedTuple
 
@@ -11,8 +11,8 @@ from slider.gait.transcription import ROLL_STATES, Layout
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 from slider.robot.names import ANKLE, EXTENSION
 
-LEG = 0.65  # hip-ankle distance that turns SLIDER's speed into leg angle [m]
-_PER_RADIAN = 0.2  # of the leg's length, by which a bent knee shortens it
+LEG = 0.65  # hip-ankle distance that converts SLIDER's speed to a leg angle [m]
+_PER_RADIAN = 0.2  # slide per radian of knee flexion, as a share of the leg's length
 BUMP = 0.6  # extra flexion of the swing knee [rad]
 
 
@@ -37,7 +37,7 @@ def cold_start(
     duration: tuple[float, float],
     start: Start,
 ) -> np.ndarray:
-    """Variables (size,) of a gait at forward speed vx [m/s], of a leg as long as SLIDER's.
+    """Variables (size,) of a gait at forward speed vx [m/s], scaled to SLIDER's leg length.
 
     ``duration``: bounds of the step time [s].
     """
@@ -47,17 +47,17 @@ def cold_start(
 
 
 def variables_of(layout: Layout, coefficients: np.ndarray, step_time: float) -> np.ndarray:
-    """Variables (size,) of Bézier coefficients (2, 10, degree + 1) and a step time [s], no roll."""
+    """Variables (size,) from Bézier coefficients (2, 10, degree + 1) and step time [s]; no roll."""
     rolls = np.zeros(ROLL_STATES * layout.nodes)
     steps = [np.concatenate([step.ravel(), [step_time], rolls]) for step in coefficients]
     return np.concatenate(steps)
 
 
 def crouched_walk(robot: Mechanism, swing: float, count: int, crouch: float) -> np.ndarray:
-    """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical.
+    """Bézier coefficients (10, count): the stance leg turns from +swing to −swing about vertical.
 
-    Knees of the robot's own bend from their nominal flexion in their own sense; a slide without a
-    virtual knee shortens the leg as a knee in its middle would.
+    A robot's own knees bend in their own direction, from their nominal flexion; a slide without a
+    virtual knee shortens the leg as a knee halfway would.
     """
     s, bend = np.linspace(0.0, 1.0, count), robot.geometry.bend
     sense = np.sign(bend) or -1.0  # about y; the virtual knee's axis is −y, and it is straight at 0
@@ -84,7 +84,7 @@ def random_start(
     spread: StartSpread,
     generator: np.random.Generator,
 ) -> np.ndarray:
-    """Variables (size,) about a crouched walk at forward speed vx [m/s], within their bounds.
+    """Random variables (size,) around a crouched walk at forward speed vx [m/s], within bounds.
 
     ``duration``: bounds of the step time [s]. The two steps differ.
     """

@@ -1,8 +1,8 @@
-"""Coordinates that virtual constraints hold, and their outputs y = H (x − x_d).
+"""Coordinates x of the virtual constraints, and their outputs y = H (x − x_d).
 
-x are roll and yaw of the stance foot's line and the ten driven joints of the prismatic legs, the
-stance leg first, reflected in right stance (12,). The line foot lies flat, so that roll is the
-coordinate without an actuator and yaw is constant during a step.
+x (12,): roll and yaw of the stance foot's line, then the ten driven joints of the prismatic legs,
+stance leg first, reflected in right stance. The line foot lies flat, so that roll is unactuated
+and yaw is constant during a step.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from slider.robot.names import ANKLE, EXTENSION, GAIT_JOINTS, mirror_sign
 from slider.robot.names import LEG_GAIT_JOINTS as LEG
 from slider.robot.names import NUM_GAIT_JOINTS as NUM_JOINTS
 
-ROLL, YAW, JOINTS = 0, 1, 2  # places in the coordinates; joints follow
+ROLL, YAW, JOINTS = 0, 1, 2  # indices in x; the joints follow
 NUM_COORDINATES = JOINTS + NUM_JOINTS
 STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
 
@@ -22,11 +22,11 @@ _SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 
 def output_matrix(geometry: Geometry) -> np.ndarray:
-    """H (10, 12), stance leg first; those of a hip are yaw, roll, pitch, whatever its order.
+    """H (10, 12), stance leg first; outputs of a hip are yaw, roll, pitch, whatever its order.
 
-    Yaw, roll and pitch of torso, swing leg and (pitch only) swing foot with respect to ground and
-    heading in place of their joints (small angles), both slides or knees, the stance ankle and the
-    swing hip's share: the torso stays upright where the stance foot rolls.
+    Yaw, roll and pitch of the torso, stance slide or knee, stance ankle; yaw, roll and pitch of the
+    swing leg, swing slide or knee, pitch of the swing foot. Angles are small and, but for knee and
+    ankle, relative to ground and heading: the torso stays upright where the stance foot rolls.
     """
     matrix = np.zeros((NUM_JOINTS, NUM_COORDINATES))
     matrix[:, JOINTS:] = np.eye(NUM_JOINTS)

@@ -41,7 +41,7 @@ class Block:
 
 @dataclass(frozen=True)
 class GaitProblem:
-    """Everything that a solver needs but the velocity, the step time and its options.
+    """Everything that a solver needs except velocity, bounds of the step time and its options.
 
     Attributes:
         form: the formulation of the gait.
@@ -77,7 +77,7 @@ class GaitProblem:
 
     @cached_property
     def blocks(self) -> list[Block]:
-        """Where each named constraint is, for residuals by name."""
+        """Rows of each named constraint, for residuals by name."""
         node_rows, collocation_rows, _ = self.row_counts
         first = 2 * self.layout.nodes * node_rows
         collocation = Block("collocation", 1.0, first + np.arange(collocation_rows))
@@ -183,7 +183,7 @@ def _node_functions(
 
 
 def _derived(name: str, rows: ca.SX, x: ca.SX, *parameters: ca.SX) -> list[ca.Function]:
-    """Rows, and their first and second derivatives by x."""
+    """Rows, and their first and second derivatives with respect to x."""
     multiplier = ca.SX.sym("lam", rows.numel())
     hessian = _symmetric(ca.dot(multiplier, rows), x)
     return [
@@ -194,7 +194,7 @@ def _derived(name: str, rows: ca.SX, x: ca.SX, *parameters: ca.SX) -> list[ca.Fu
 
 
 def _symmetric(value: ca.SX, x: ca.SX) -> ca.SX:
-    """Hessian whose lower triangle is the upper one's, to the last bit."""
+    """Hessian that is exactly symmetric: its lower triangle copies the upper one."""
     return ca.triu2symm(ca.triu(ca.hessian(value, x)[0]))
 
 

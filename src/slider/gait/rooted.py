@@ -4,8 +4,8 @@ q = (roll of the foot about its line, ten driven joints, stance leg first), refl
 stance. The ten joint efforts are the inputs, B = (0, I)ᵀ: no moment acts about the line.
 
 Outputs have relative degree two, ÿ = L_f² y + L_g L_f y u with L_g L_f y = H' M⁻¹ B, H' the columns
-of H for roll and joints. Input-output linearisation needs its inverse. Joints as outputs never lose
-it: theirs is a principal block of M⁻¹. Absolute angles can, so that it is theirs that is stored.
+of H for roll and joints. Input-output linearisation inverts this decoupling matrix. For joints as
+outputs it is a principal block of M⁻¹, always regular; for absolute angles it can become singular.
 """
 
 from functools import cached_property
@@ -35,7 +35,7 @@ class RootedRobot:
         self._forces = ca.vertcat(line_moment, motion.efforts)  # generalised (11,)
 
     def equation(self, row: int) -> tuple[ca.SX, ca.SX]:
-        """One row of M (11,) and of h; that of the roll, 0, has no input."""
+        """One row of M (11,) and of h; row 0, the roll's, has no input."""
         force = self._forces[row]
         return ca.gradient(force, self._a), ca.substitute(force, self._a, ca.SX.zeros(NUM))
 
@@ -63,10 +63,10 @@ class RootedRobot:
 
 
 def decoupling(robot: Mechanism, q: np.ndarray) -> np.ndarray:
-    """Least singular value [rad/s², m/s²] and condition number (S, 2) at q (S, 11).
+    """Least singular value [rad/s², m/s²] and condition number (S, 2) of L_g L_f y at q (S, 11).
 
     Inputs are the motors' torques as shares of their limits: the least singular value is the
-    acceleration of the outputs that full torques give in the worst direction.
+    acceleration of the outputs that full torques produce in the worst direction.
     """
     rooted, motors = RootedRobot(robot), Transmission.of(robot)
     masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
@@ -74,7 +74,7 @@ def decoupling(robot: Mechanism, q: np.ndarray) -> np.ndarray:
     rows = np.delete(output_matrix(robot.geometry), YAW, axis=1)
     inputs = np.zeros((NUM, NUM_JOINTS))
     matrix = motors.matrix[:, GAIT_JOINTS]
-    ours = matrix.any(axis=1)  # not those of the ankles' rolls
+    ours = matrix.any(axis=1)  # without the motors of the ankles' rolls
     inputs[1:] = matrix[ours].T * motors.torque[ours]
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)
     with np.errstate(divide="ignore"):

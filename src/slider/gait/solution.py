@@ -21,8 +21,8 @@ DENSE = 10  # phases per node interval at which a solution is checked
 class KneeTrajectory:
     """A walk of S samples in virtual-knee coordinates, world axes, not reflected.
 
-    The world's origin is the middle of each step's own foot line, and x along it. Joints: left
-    leg, right leg.
+    In each step the origin is the middle of the stance foot's line, and x points along it. Joints:
+    left leg, right leg.
 
     Attributes:
         q, v, torques: (S, 10) [rad], [rad/s], [N m].
@@ -31,7 +31,7 @@ class KneeTrajectory:
         base_angular: (S, 3) [rad/s], base frame.
         wrench: (S, 6) ground force [N] and moment [N m] at the foot line.
         swing_foot: (S, 3) middle of the swing foot's line [m].
-        ankle_rolls: (S, 3, 2) positions, velocities, efforts of both ankles' rolls; else zero.
+        ankle_rolls: (S, 3, 2) positions, velocities, efforts of ankle rolls; zero for line feet.
     """
 
     q: np.ndarray
@@ -104,7 +104,7 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
 def dense_violations(
     problem: GaitProblem, variables: np.ndarray, yaw_rate: float = 0.0
 ) -> dict[str, float]:
-    """Worst violation by name at ``DENSE`` phases per node interval, SI units.
+    """Worst violation by constraint at ``DENSE`` phases per node interval, SI units.
 
     ``yaw_rate`` [rad/s] is the commanded one. The roll equation holds at nodes only; between them
     its residual measures the collocation.
@@ -140,7 +140,7 @@ def dense_nodes(problem: GaitProblem, variables: np.ndarray, phase: np.ndarray) 
 
 
 def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    """Value, slope and curvature (phases, 3) of the collocation polynomials of (nodes, 3)."""
+    """Value, slope and curvature (phases, 3) of the collocation polynomials through (nodes, 3)."""
     pieces = (len(states) - 1) // 2
     piece = np.minimum((phase * pieces).astype(int), pieces - 1)
     width = 1.0 / pieces

@@ -16,13 +16,13 @@ from slider.gait.problem import GaitProblem, worst_of
 from slider.gait.transcription import NODE
 from slider.robot.names import VELOCITY
 
-GIVEN = "given"  # name of a start that is no guess of the configuration
+GIVEN = "given"  # name of a start that is not one of the configured guesses
 ANCHOR = "anchor"  # name of a start from the gait of another velocity
-RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
+RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity that are solved in turn
 # No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
 _MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
-# Return statuses of IPOPT that follow from the numbers. Others, such as those of an interrupted
-# callback, a time limit or too little memory, do not.
+# Return statuses of IPOPT that the problem determines. Others, such as those of an interrupted
+# callback, a time limit or too little memory, depend on the machine.
 _ENDS = {
     *("Solve_Succeeded", "Solved_To_Acceptable_Level", "Feasible_Point_Found"),
     *("Infeasible_Problem_Detected", "Maximum_Iterations_Exceeded", "Restoration_Failed"),
@@ -30,7 +30,7 @@ _ENDS = {
     *("Invalid_Number_Detected", "Not_Enough_Degrees_Of_Freedom"),
 }
 _PUSHED = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
-# Off the bounds: from nearer to them some gaits end in optima of higher cost than from a guess.
+# Start off the bounds: from nearer to them some gaits end in costlier optima than from a guess.
 _WARM = {"warm_start_init_point": "yes"} | {f"warm_start_{name}": 3e-2 for name in _PUSHED}
 
 
@@ -42,7 +42,7 @@ class PrimalDual(NamedTuple):
 
     @classmethod
     def of(cls, result: dict[str, ca.DM]) -> "PrimalDual":
-        """That of a result of CasADi's."""
+        """Variables and multipliers of a result of ``nlpsol``."""
         multipliers = ca.vertcat(result["lam_x"], result["lam_g"])
         return cls(result["x"].full().ravel(), multipliers.full().ravel())
 
@@ -68,7 +68,7 @@ class Solve:
         iterations: of IPOPT, of the attempt that is the result.
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
-        worst: the value behind it and its bound, as text.
+        worst: the value of each residual and its bound, as text.
         cpu: processor time of all attempts [s].
         attempts: all attempts, in order.
         multipliers: see ``PrimalDual``.
@@ -94,8 +94,8 @@ class Solve:
 class Nlp:
     """Functions of the variables x and the velocity p = (vx, vy, yaw rate), for IPOPT.
 
-    The functions of a node are mapped over all nodes; their derivatives are scattered by constant
-    matrices from x to the nodes and to the ends of the steps.
+    The functions of a node are mapped over all nodes; constant matrices from x to the nodes and to
+    the ends of the steps assemble their derivatives.
     """
 
     def __init__(self, problem: GaitProblem) -> None:
@@ -142,7 +142,7 @@ class Nlp:
 
     @cached_property
     def hessian(self) -> ca.Function:
-        """(x, p, factor before the cost, multipliers) → upper triangle of the Lagrangian's."""
+        """(x, p, factor of the cost, multipliers) → upper triangle of the Lagrangian's Hessian."""
         functions, (per_node, collocation, ends) = self._problem.functions, self._problem.row_counts
         first, second = per_node * self._count, per_node * self._count + collocation
         factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", second + ends)
@@ -214,11 +214,11 @@ class GaitSolver:
         """Solve for a velocity [m/s, rad/s], from an ``anchor``, if any, then from the guesses.
 
         The result is the first that converges, else the first of all. Variables ``start`` (size,)
-        take the place of the guesses.
+        replace the guesses.
 
         Raises:
-            ValueError: a yaw rate, and the problem's walks do not turn.
-            RuntimeError: IPOPT did not end for a reason of its own.
+            ValueError: the yaw rate is not zero, and the formulation does not turn.
+            RuntimeError: IPOPT ended for a reason outside of the problem.
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
@@ -237,7 +237,7 @@ class GaitSolver:
     def attempt(
         self, guess: str | np.ndarray | PrimalDual, vx: float, vy: float, yaw_rate: float = 0.0
     ) -> Solve:
-        """Solve for a velocity [m/s, rad/s] from a guess by its name, from variables or a gait."""
+        """Solve for a velocity [m/s, rad/s] from a named guess, variables or another optimum."""
         start = time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
@@ -263,12 +263,12 @@ class GaitSolver:
     def _solve_from(
         self, guess: str | np.ndarray | PrimalDual, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Solve from a gait, from given variables, a cold start, or a ``ramp`` of gaits."""
+        """Solve from another optimum, given variables, a cold start, or a ``ramp`` of gaits."""
         if isinstance(guess, PrimalDual):
             of_bounds, of_rows = np.split(guess.multipliers, [len(guess.variables)])
             start = {"x0": guess.variables, "lam_x0": of_bounds, "lam_g0": of_rows}
             return self._ipopt(True), self._call(self._ipopt(True), velocity, **start)
-        if isinstance(guess, str) and guess == "ramp":  # walk in place first, then ever faster
+        if isinstance(guess, str) and guess == "ramp":  # first in place, then faster and faster
             solved = self._solve_from("cold", np.zeros(len(VELOCITY)))
             for share in RAMP:
                 solved = self._solve_from(PrimalDual.of(solved[1]), share * velocity)

@@ -31,7 +31,7 @@ class MeshGait:
 
     @classmethod
     def load(cls, folder: Path) -> "MeshGait":
-        """A result of the stage ``gait``."""
+        """Load a result of the stage ``gait``."""
         names = ("knee_positions", "knee_torques", "roll", "step_time")
         joints, torques, roll, times = (np.load(folder / f"{name}.npy") for name in names)
         steps = (2, -1, joints.shape[-1])
@@ -39,7 +39,7 @@ class MeshGait:
 
     @property
     def intervals(self) -> int:
-        """Between the nodes of a step."""
+        """Number of intervals between the nodes of a step."""
         return self.roll.shape[1] - 1
 
     @property
@@ -51,7 +51,7 @@ class MeshGait:
     def difference(self, other: "MeshGait") -> dict[str, float]:
         """Greatest differences [rad] of joints and roll at the phases that both meshes have.
 
-        Of both steps; ``roll_end``: at their ends alone.
+        Over both steps; ``roll_end_difference``: at the ends of the steps only.
         """
         common = gcd(self.intervals, other.intervals)
         joints, roll = (
@@ -66,7 +66,7 @@ class MeshGait:
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Solve one gait from start ``index`` of a seed; write its report."""
+    """Solve one gait from random start number ``index`` of a seed; write its report."""
     solver, velocity = prepare(section, job)
     start, step_time = section["start"], section["solve"]["step_time"]
     duration = step_time["lower"], step_time["upper"]

@@ -23,7 +23,7 @@ ROLL_STATES = 3
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of the variables of two steps."""
+    """Positions of the variables of two steps in their vector."""
 
     nodes: int
     degree: int
@@ -65,7 +65,7 @@ class Layout:
 
     @cached_property
     def turns(self) -> np.ndarray:
-        """Sign of the yaw rate and phase from −½ to ½ (2, 2 · nodes): the second is reflected."""
+        """Sign of the yaw rate, −1 in the reflected step, and phase from −½ to ½ (2, 2 · nodes)."""
         signs = np.repeat([1.0, -1.0], self.nodes)
         return np.stack([signs, np.tile(self.phase - 0.5, 2)])
 

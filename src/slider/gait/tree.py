@@ -4,7 +4,7 @@ The stance foot lies flat along its line: its frame can only roll about the line
 tree runs from the stance (left) foot up to the base and down to the swing (right) foot; joints:
 stance then swing, each three of the hip (``robot.geometry.axes.order``), knee, ankle.
 
-Eq. 1 (exact) leads from the virtual knee's coordinates to the slide's: q_p = φ(q_k), q̇_p = J q̇_k,
+Eq. 1 (exact) maps the virtual knee's coordinates to the slide's: q_p = φ(q_k), q̇_p = J q̇_k,
 q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
 """
 
@@ -28,9 +28,9 @@ STANCE, SWING = "stance", "swing"
 class Edge:
     """Joint from body ``parent`` to ``child`` of the rooted tree.
 
-    ``axis``: unit vector about which the joint turns the child, against the joint's own from the
-    stance foot to the base; ``at_parent``, ``at_child``: the joint's place in the two body frames
-    [m]. ``slides``: the joint moves the child along the axis instead of turning it.
+    ``axis``: unit vector about which the joint turns the child, opposite to the joint's own between
+    stance foot and base; ``at_parent``, ``at_child``: position of the joint in the two body frames
+    [m]. ``slides``: the joint is prismatic, along the axis.
     """
 
     parent: str
@@ -47,7 +47,7 @@ class Edge:
         return ca.sparsify(ca.DM(self.axis))
 
     def rotation(self, q: ca.SX) -> ca.SX:
-        """Rotation matrix (3, 3) from the child to the parent, of a joint that turns."""
+        """Rotation matrix (3, 3) from the child to the parent, of a revolute joint."""
         angle, along = q[self.joint], np.flatnonzero(self.axis)
         if len(along) == 1:
             return rotation(int(along[0]), float(self.axis[along[0]]) * angle)
@@ -55,7 +55,7 @@ class Edge:
         return ca.DM.eye(3) + ca.sin(angle) * cross + (1 - ca.cos(angle)) * (cross @ cross)
 
     def place(self, q: ca.SX) -> ca.SX:
-        """Where the joint has moved the child to, in the parent's frame (3,) [m]."""
+        """Position of the joint, slide included, in the parent's frame (3,) [m]."""
         if not self.slides:
             return ca.SX(ca.DM(self.at_parent))
         return ca.DM(self.at_parent) + self.unit * q[self.joint]
@@ -94,7 +94,7 @@ def knee_leg(axes: HipAxes, knee: VirtualKnee, lateral: float) -> list[LegJoint]
 
 
 def edges_of(left: list[LegJoint], right: list[LegJoint]) -> list[Edge]:
-    """From the stance (left) foot up to the base and down to the swing foot."""
+    """Edges from the stance (left) foot up to the base and down to the swing foot."""
     edges, zero = list[Edge](), np.zeros(3)
     for side, chain in ((STANCE, left), (SWING, right)):
         parent = "base"
@@ -110,7 +110,7 @@ def edges_of(left: list[LegJoint], right: list[LegJoint]) -> list[Edge]:
 
 
 def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
-    """The child's pose of a parent's."""
+    """Pose of an edge's child from its parent's."""
     if edge.slides:
         place, rate = edge.place(q), edge.unit * v[edge.joint]
         moved = pose.linear + pose.rotation @ (ca.cross(pose.angular, place) + rate)
@@ -125,7 +125,7 @@ def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
 
 
 def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
-    """A method on values (5,) of a leg, for values (10,) of both legs."""
+    """Apply a method on values (5,) of one leg to values (10,) of both."""
 
     @wraps(method)
     def on_legs(self: "LegMap", *values: ca.SX) -> ca.SX:
@@ -137,14 +137,14 @@ def _each_leg(method: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
 
 @dataclass(frozen=True)
 class LegMap:
-    """Hip pitch, leg length and ankle of the prismatic leg over the knee's flexion θ.
+    """Hip pitch, leg length and ankle of the prismatic leg as functions of the knee flexion θ.
 
-    Without a virtual knee it is the identity: gaits are in the leg's own coordinates. With one the
-    pitch axis is the last of the hip.
+    Without a virtual knee it is the identity: gaits are in the leg's own coordinates. With one, the
+    hip's last axis is pitch.
 
     Attributes:
-        shifts: θ → what adds to (hip pitch, 0, ankle) and the leg length (3,) [rad, m, rad].
-        slopes, curvatures: first and second derivatives of these by θ.
+        shifts: θ → shift of the hip pitch, leg length, shift of the ankle (3,) [rad, m, rad].
+        slopes, curvatures: first and second derivatives of ``shifts``.
         nominal: leg length at slide = 0 [m].
     """
 
@@ -155,7 +155,7 @@ class LegMap:
 
     @classmethod
     def of(cls, robot: Mechanism) -> "LegMap":
-        """The map of a robot's virtual knee, if it has one."""
+        """The map of a robot's virtual knee; the identity if it has none."""
         theta, nominal = ca.SX.sym("theta"), 0.0
         values = ca.vertcat(0, theta, 0)
         if robot.virtual_knee is not None:
@@ -172,7 +172,7 @@ class LegMap:
 
     @_each_leg
     def positions(self, q: ca.SX) -> ca.SX:
-        """Joint positions of the prismatic legs of knee legs (5 per leg)."""
+        """Joint positions of the prismatic legs from those of the knee legs (5 per leg)."""
         hip, length, ankle = ca.vertsplit(self.shifts(q[_KNEE]))
         return ca.vertcat(q[:_PITCH], q[_PITCH] + hip, length - self.nominal, q[_ANKLE] + ankle)
 
@@ -191,13 +191,13 @@ class LegMap:
 
     @_each_leg
     def knee_torques(self, q: ca.SX, efforts: ca.SX) -> ca.SX:
-        """Torques of the knee legs that do the work of prismatic efforts: Jᵀ τ_p."""
+        """Torques of the knee legs from prismatic efforts, by virtual work: Jᵀ τ_p."""
         knee = ca.dot(self.slopes(q[_KNEE]), efforts[_PITCH:])
         return ca.vertcat(efforts[:_KNEE], knee, efforts[_ANKLE])
 
     @_each_leg
     def efforts(self, q: ca.SX, torques: ca.SX) -> ca.SX:
-        """Prismatic efforts that do the work of the knee legs' torques: J⁻ᵀ τ_k."""
+        """Prismatic efforts from torques of the knee legs, by virtual work: J⁻ᵀ τ_k."""
         hip, slide, ankle = ca.vertsplit(self.slopes(q[_KNEE]))
         force = (torques[_KNEE] - hip * torques[_PITCH] - ankle * torques[_ANKLE]) / slide
         return ca.vertcat(torques[:_KNEE], force, torques[_ANKLE])

@@ -54,7 +54,7 @@ class Constraint:
         return self.expression.numel()
 
     def bounds(self, phase: np.ndarray, at_nodes: bool = True) -> list[np.ndarray]:
-        """Scaled bounds (S, n), lower and upper, at phases (S,); ``at_nodes``: by ``node_lower``."""
+        """Scaled bounds (S, n), lower and upper, at phases (S,); ``at_nodes``: ``node_lower``."""
         lower = self.node_lower if at_nodes and self.node_lower is not None else self.lower
         sides = (side(phase) if callable(side) else side for side in (lower, self.upper))
         return [np.broadcast_to(side, (len(phase), self.size)) / self.scale for side in sides]

@@ -5,7 +5,7 @@ virtual leg through eq. 1, and the roll of the stance foot. c re-anchors the con
 impact: it starts with the error that the impact left, in position and velocity, and is gone by
 mid-step (Morris and Grizzle, "Hybrid invariant manifolds in systems with impulse effects with
 application to periodic locomotion in bipedal robots", IEEE TAC 54(8), 2009). D moves the swing
-foot level by b [m].
+foot horizontally by b [m].
 """
 
 from dataclasses import dataclass, field
@@ -24,8 +24,8 @@ Orders = tuple[np.ndarray, np.ndarray, np.ndarray]
 _SLIDE = SWING - JOINTS + 3  # of the swing leg, among the joints
 _LEAST = 0.2  # a correction lasts at least this share of a step
 _NEWTON = 4  # steps from the linear guess of a phase; the table is smooth
-_BEFORE = -0.25  # a phase that turns back after an impact meets the same polynomials
-_EASE = 0.1  # of a step, in which the curvature of what goes on beyond it fades
+_BEFORE = -0.25  # least argument of a fade; after an impact the phase may move backward
+_EASE = 0.1  # share of a step over which the curvature of the extrapolation fades
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class NodeTable:
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.
 
-        Outside [0, 1] it goes on as ``extrapolated`` does.
+        Outside [0, 1] it is continued like ``extrapolated``.
         """
         return _interpolated(self.values, self.slopes, self.curvatures, phase)
 
@@ -58,7 +58,7 @@ def _interpolated(
     for robot in range(shape[0]):
         within = min(max(phase[robot], 0.0), 1.0)
         place = within * pieces
-        # A robot that is lost has no phase, and gets no value.
+        # The phase of a lost robot is NaN, and so are its values.
         left = int(place) if place < pieces else pieces - 1
         u = place - left
         for k in range(shape[1]):
@@ -93,7 +93,7 @@ class Steps:
         roll: of the stance foot's line (m = 1) [rad] over the phase.
         placement: D (n, 10, 2), joints that move the swing foot forward and left [rad/m, m/m].
         lengths: of the virtual leg, if gaits have one.
-        slide_length: of a leg at slide = 0 [m]; none of a leg that has a knee.
+        slide_length: of a leg at slide = 0 [m]; None for a leg with a knee.
     """
 
     coefficients: np.ndarray
@@ -145,7 +145,7 @@ class StepConstraints:
     def desired(self, phase: np.ndarray) -> Orders:
         """x_d (n, 12) and its first and second derivatives over the phase at phases (n,).
 
-        Before the start and after the end of the step the motion goes on almost straight.
+        Before the start and after the end of the step the motion is extrapolated.
         """
         within = np.clip(phase, 0.0, 1.0)
         value, slope, curve = extrapolated(self._gait(within), phase - within)
@@ -181,7 +181,7 @@ class StepConstraints:
         (start, end), length = self.placement_span, self.steps.slide_length
         span = end - start
         way = np.einsum("njk,nk->nj", self.steps.placement, self.displacement)
-        # A leg that is aside has farther to go: a slide keeps the foot's height to second order.
+        # A leg that is displaced must be longer: a slide keeps the foot's height to second order.
         if length is not None:
             way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * length)
         share = smooth_step((phase - start) / span)
@@ -192,7 +192,7 @@ class StepConstraints:
 def phase_of(hip: NodeTable, position: np.ndarray) -> np.ndarray:
     """Phases (n,) at which the gaits' hips are at forward positions (n,) [m].
 
-    Before the start and after the end of the step the hip goes almost straight on.
+    Before the start and after the end of the step the hip's motion is extrapolated.
     """
     phase = _linear(hip.values[:, :, 0], position)
     for _ in range(_NEWTON):
@@ -237,10 +237,10 @@ def smooth_step(u: np.ndarray) -> Orders:
 
 @compiled
 def extrapolated(inside: Orders, beyond: np.ndarray) -> Orders:
-    """Values (n, m), with two derivatives, ``beyond`` (n,) the phases at which they are known.
+    """Extrapolate values (n, m), with two derivatives, by ``beyond`` (n,) in phase.
 
-    The curvature fades linearly to zero, then the motion goes straight on: all three are
-    continuous, so that a return map has a derivative where steps end at the end of the phase.
+    The curvature fades linearly to zero, then the motion is linear: all three are continuous, so
+    that a return map is differentiable where steps end at phase 1.
     """
     value, slope, curve = inside
     orders = np.empty_like(value), np.empty_like(value), np.empty_like(value)

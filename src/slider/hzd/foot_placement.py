@@ -13,21 +13,21 @@ class FootPlacement:
     """Foot placement of G gaits of two steps, the second one reflected; S phases.
 
     At phase s of a step the swing foot is displaced by b = −K(s) (ξ − ξ*(s)),
-    ξ = (c_y, ċ_y, ċ_x, c_x) the place and the velocity of the centre of mass in the frame of the
+    ξ = (c_y, ċ_y, ċ_x, c_x) the position and velocity of the centre of mass in the frame of the
     stance sole: x along its line, reflected in right stance.
 
     Attributes:
         velocities: of the gaits (G, 3) [m/s], [m/s], [rad/s].
-        clock: whether the phase is time (G,), else where the hip is.
+        clock: whether the phase is time (G,), else the hip's position.
         phases: (S,) in [0, 1].
-        gains: K(s) (G, 2, 2, S, 2, 4) of steps by time and by the hip: forward and leftward
-            displacement [-], [s], [s], [-]. By the hip those for c_x are zero. Slow gaits have
-            the gains by time twice, with that exception; fast ones those by the hip twice.
+        gains: K(s) (G, 2, 2, S, 2, 4) [-], [s], [s], [-]: phase by time or by the hip, step, phase,
+            forward and leftward displacement, coordinate. By the hip those for c_x are zero. A gait
+            that has the gains for one kind of phase only has them twice, with that exception.
         orbit: ξ*(s) (G, 2, S, 4) on the limit cycle [m], [m/s], [m/s], [m].
-        placement: D (G, 2, 10, 2): joints, stance leg first, that displace the swing sole
-            [rad/m, m/m].
+        placement: D (G, 2, 10, 2): displacement of the joints, stance leg first, per displacement
+            of the swing sole [rad/m, m/m].
         hip: forward position of the base's origin from the stance sole and two derivatives over
-            the phase (G, 2, N, 3) at N even phases [m].
+            the phase (G, 2, N, 3) at N evenly spaced phases [m].
     """
 
     velocities: np.ndarray

@@ -1,4 +1,4 @@
-"""The rooted robot for many states at once, in numbers: dynamics, measurements, impact.
+"""The rooted robot's dynamics, measurements and impact, evaluated for batches of states.
 
 States are q and q̇ (n, 11) of ``slider.gait.rooted``, in the frame of the stance foot's line: x
 along it, z up, the middle of the sole at the origin, reflected in right stance.
@@ -60,7 +60,7 @@ class PostImpactState:
 
 
 class Batch:
-    """A function of vectors that gives matrices, for n rows of arguments."""
+    """A function from vectors to matrices, evaluated for n rows of arguments."""
 
     def __init__(
         self,
@@ -95,7 +95,7 @@ class Batch:
 
 
 def _levelled(up: ca.SX, axis: np.ndarray) -> ca.SX:
-    """Angle of an ankle by which the line of a foot lies flat.
+    """Angle of an ankle that lays the line of its foot flat.
 
     ``up`` (1, 3) is the vertical and ``axis`` (3,) the ankle's, both in the foot's frame.
     """
@@ -109,7 +109,7 @@ def _levelled(up: ca.SX, axis: np.ndarray) -> ca.SX:
 
 
 class RootedModel:
-    """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
+    """The rooted robot's functions on batches of states; ``functions`` may compile them."""
 
     def __init__(self, robot: Mechanism, functions: Source = interpreted) -> None:
         self.symbols, self.geometry = RootedRobot(robot), robot.geometry
@@ -135,18 +135,18 @@ class RootedModel:
     def impact_map(self, q: np.ndarray, v: np.ndarray) -> PostImpactState:
         """Plastic impact of the swing foot's line; the old foot leaves.
 
-        Only the forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺ is what
-        q̇⁻ carries about the line and along the joints. A foot that lands with a small pitch is
-        laid flat by its ankle. ``slider.gait.contact.impact`` is that of a gait, which lands flat.
+        Only the ground's forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺
+        is the momentum of q̇⁻ about the line and along the joints. A foot that lands with a small
+        pitch is laid flat by its ankle; ``slider.gait.contact.impact`` assumes a flat landing.
         """
         place, mass, carried, angles = self._impact_map(q, v)
         rate = np.linalg.solve(mass, carried[:, :, None])[:, :, 0]
         return PostImpactState(place, rate, angles[:, 0], angles[:, 1])
 
     def placement(self, q: np.ndarray) -> np.ndarray:
-        """D (n, 10, 2): joints that move the swing sole by 1 m forward and left [rad/m, m/m].
+        """D (n, 10, 2): displacement of the joints per forward and left metre of the swing sole.
 
-        Height of the sole, pitch and yaw of its line stay, and only the swing leg moves.
+        Only the swing leg moves [rad/m, m/m], at constant height, pitch and yaw of its sole.
         """
         (jacobian,) = self._swing(q)
         result = np.zeros((len(q), NUM_JOINTS, 2))

@@ -42,7 +42,7 @@ def plans(
     """Both steps of some gaits by index (n,), the second reflected.
 
     Raises:
-        UserError: a gait whose phase is the hip has one that turns back.
+        UserError: the phase is the hip, and the hip of a gait moves backward.
     """
     first, second = (_plan(library, gaits, step, model, config) for step in range(2))
     for plan in (first, second):

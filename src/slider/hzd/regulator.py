@@ -18,7 +18,7 @@ from slider.hzd.walk import COORDINATES, ZeroDynamics, multipliers
 
 _WEIGHTS = ("position", "velocity", "velocity", "position")  # of the coordinates
 _Regulators = tuple[tuple[list[int], list[int]], ...]
-# Displacements, forward and leftward, and the coordinates that they answer.
+# Displacements, forward and leftward, and the coordinates that they feed back.
 _DECOUPLED: _Regulators = (([0], [2, 3]), ([1], [0, 1]))
 _COUPLED: _Regulators = (([0, 1], [0, 1, 2, 3]),)
 
@@ -91,7 +91,7 @@ def periodic_lqr(
     """Gains K (k, m, r) of a cycle of k maps A (k, r, r), B (k, r, m).
 
     The cycle as one time-invariant system (Bittanti and Colaneri, "Periodic Systems", 2009,
-    section 6.3): the states of all sections side by side, each map leading to the next one.
+    section 6.3): its state stacks those of all sections, and each map leads to the next.
 
     Raises:
         LinAlgError, ValueError: no displacement of the foot stabilises the walk.

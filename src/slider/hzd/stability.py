@@ -39,7 +39,7 @@ _OVER_SPEED = (
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Table of all gaits as CSV, and for people."""
+    """Write a table of all gaits as CSV, and a summary as Markdown."""
     library = load_library(inputs)
     rows = [row for folder in inputs["gaits"] for row in records(library, folder)]
     frame = pd.DataFrame(rows, columns=[*VELOCITY, *QUANTITIES]).sort_values([*VELOCITY])
@@ -49,7 +49,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def records(library: GaitLibrary, folder: Path) -> list[dict[str, Any]]:
-    """Values of ``QUANTITIES`` of a job's gaits; some lack without a cycle."""
+    """Values of ``QUANTITIES`` of a job's gaits; without a limit cycle some are missing."""
     placed, multipliers = FootPlacement.load(folder), np.load(folder / MULTIPLIERS)
     result = []
     for k, gait in enumerate(indices(library, placed.velocities.tolist())):
@@ -78,7 +78,7 @@ def records(library: GaitLibrary, folder: Path) -> list[dict[str, Any]]:
 
 
 def write_csv(path: Path, frame: pd.DataFrame) -> None:
-    """One line per gait; several values of one column are separated by blanks."""
+    """One line per gait; several values of one column are separated by spaces."""
     several = [name for name in frame if name.endswith("eigenvalues")]
     texts = {name: [_text(values, 6) for values in frame[name]] for name in several}
     tables.write(frame.assign(**texts), path)

@@ -26,8 +26,8 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import velocity_text
 
 MULTIPLIERS = "multipliers.npy"
-"""(G, 2, 4) of the gaits' walks, see ``Regulator``; NaN beyond their number, or without a cycle."""
-BY_HIP = 1  # the second kind of gains
+"""See ``Regulator`` (G, 2, 4); NaN beyond their number, or without a limit cycle."""
+BY_HIP = 1  # index of the gains whose phase is the hip
 
 
 class _Placed(NamedTuple):
@@ -66,7 +66,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     for k, placed in cycles.items():
         multipliers[k, :, : placed.multipliers.shape[1]] = placed.multipliers
     np.save(out / MULTIPLIERS, multipliers)
-    # Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
+    # Without a limit cycle gains and orbit are zero: the foot lands where the gait puts it.
     gains, orbit = np.zeros((len(gaits), 2, *shape[1:], 2, width)), np.zeros((*shape, width))
     for row, placed in enumerate((by_hip | by_time, by_time | by_hip)):
         for k, gait in placed.items():
@@ -82,7 +82,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 def _placed(
     loop: ClosedLoop, steps: Sequence[StepPlan], gaits: np.ndarray
 ) -> tuple[dict[int, _Placed], dict[int, str]]:
-    """Limit cycles and foot placement of the gaits (n,), and why some have none."""
+    """Limit cycles and foot placement of the gaits (n,), and why the others have none."""
     if not len(gaits):
         return {}, {}
     steps, placed, refused = [take(plan, gaits) for plan in steps], {}, {}
@@ -129,13 +129,13 @@ def load_library(inputs: Inputs) -> GaitLibrary:
 
 
 def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> ClosedLoop:
-    """The library's robot, its functions compiled where a job can."""
+    """Closed loop of the library's robot, its functions compiled where that pays."""
     return ClosedLoop(RootedModel(library.robot, Compiled(job, "robot")), config)
 
 
 def indices(
     gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
 ) -> np.ndarray:
-    """Indices of the velocities that the gaits have."""
+    """Index of the gait at each of the velocities that has one."""
     places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
     return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)

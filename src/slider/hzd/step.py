@@ -1,15 +1,14 @@
 """One step of the closed loop: the rooted robot under its virtual constraints, up to the impact.
 
-**Outputs.** y = H (x − x_d(s)) are ten. The stance ankle gives the gait's own effort, however the
-robot moves, since the foot's length leaves it little more: nine are enforced. Input-output
-linearisation gives them ÿ = −k_p y − k_d ẏ. Their accelerations H' q̈, H' the columns of H for roll
-and joints, the ankle's row of M q̈ + h = B u and the roll's, the one without an input, are eleven
+**Outputs.** There are ten outputs y = H (x − x_d(s)). The stance ankle applies the gait's own
+effort, however the robot moves, since the short foot allows little more: nine outputs are enforced,
+by input-output linearisation with ÿ = −k_p y − k_d ẏ. Their accelerations H' q̈, H' the columns of H
+for roll and joints, the ankle's row of M q̈ + h = B u and the roll's, which has no input, are eleven
 equations for q̈. The zero dynamics are those of the roll and of the forward motion.
 
-**Phase.** With the clock s = t/T. With the hip, s = σ(p(q)), outputs and phase are not independent:
-p(q) = p*(s) holds by definition of s, and the gait has its hip there, p(X(s)) = p*(s). Where nine
-outputs are zero the tenth is too. s̈ is what the motion makes of it,
-s̈ = (∇p q̈ + p̈|₀ − p″ ṡ²)/p′, in ÿ as well.
+**Phase.** With the clock, s = t/T. With the hip, s = σ(p(q)), outputs and phase are not
+independent: p(q) = p*(s) by definition of s, and p(X(s)) = p*(s) for the gait. Where nine outputs
+are zero the tenth is too. s̈ = (∇p q̈ + p̈|₀ − p″ ṡ²)/p′ depends on q̈, and so do its terms in ÿ.
 """
 
 from dataclasses import dataclass
@@ -27,21 +26,21 @@ from slider.hzd.model import Kinematics, PostImpactState, RootedModel
 from slider.hzd.plans import StepPlan
 
 PHASES = np.linspace(0.0, 1.0, 21)
-"""At which a step is sampled."""
+"""Phases at which a step is sampled."""
 
-_NODES = np.arange(53) / 40  # of the integration, as polynomials are joined at some of them
-_WITHIN = 41  # nodes of the step itself; a swing foot that is not down by the last has missed it
+_NODES = np.arange(53) / 40  # of the integration; piecewise polynomials are joined at some of them
+_WITHIN = 41  # nodes up to phase 1; by the last of ``_NODES`` a swing foot must be down
 _MIN_IMPACT_PHASE = 0.5  # phase from which a swing foot can land
 _STAGES = DOP853.n_stages
 _A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
 _NEWTON = 6
-_LOST = 1e9  # greater than any entry of a robot that walks
-_SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fallen
+_LOST = 1e9  # greater than any entry of the equations of a robot that walks
+_SLOWEST = 0.05  # share of the gait's phase rate: a robot whose hip moves backward has fallen
 
 
 @dataclass(frozen=True)
 class Flow:
-    """n steps.
+    """Trajectories of n steps.
 
     Attributes:
         q, v: at ``PHASES`` (S, n, 11).
@@ -81,9 +80,9 @@ class ClosedLoop:
         x: np.ndarray,
         displacement: np.ndarray | None = None,
     ) -> Flow:
-        """From n states x = (q, q̇) (n, 22) just after an impact to just after the next one.
+        """Simulate from n states x = (q, q̇) (n, 22) just after an impact to just after the next.
 
-        ``displacement`` (n, 2) [m] is that of the swing foot.
+        The swing foot is displaced by ``displacement`` (n, 2) [m].
         """
         constraints = plan.constraints(self.config)
         if displacement is not None:
@@ -102,7 +101,7 @@ class ClosedLoop:
 
 @dataclass(frozen=True)
 class _Steps:
-    """n robots during one step; states z are q, v and the time (n, 23), over the phase."""
+    """n robots during one step; states z (n, 23) are q, v and time as functions of the phase."""
 
     loop: ClosedLoop
     plan: StepPlan
@@ -160,7 +159,7 @@ class _Steps:
         _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
         rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
         rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
-        turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)  # s̈ but for q̈
+        turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)  # s̈ at q̈ = 0
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
@@ -192,13 +191,13 @@ class _Steps:
         return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
 
     def _to_node(self, phase: float, z: np.ndarray, after: float) -> np.ndarray:
-        """From one node to the next."""
+        """Advance from one node to the next."""
         return self._advance(np.full(len(z), phase), z, np.full(len(z), after - phase))
 
     def _impact(
         self, nodes: np.ndarray, heights: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Phases (n,) and states (n, 23) where the swing foot comes down; whether it does."""
+        """Phases (n,) and states (n, 23) at touchdown of the swing foot; whether there is one."""
         late = _NODES[: len(nodes) - 1, None] >= _MIN_IMPACT_PHASE
         down = (heights[:-1] > 0) & (heights[1:] <= 0) & late
         alive = np.asarray(down.any(axis=0))

@@ -1,16 +1,16 @@
 """The limit cycle of a gait, and its zero dynamics from step to step.
 
-A section are the states just after an impact, x = (q, q̇). Outputs are zero or vanish by mid-step
-(re-anchoring), so that the return map has the rank of the zero dynamics at a section. Their
-coordinates are the first r of ξ = (c_y, ċ_y, ċ_x, c_x), place and velocity of the centre of mass
-in the frame of the stance sole: r = 3 where the hip's place is the phase, 4 with the clock. Per
-step ξ⁺ = A ξ + B b, b the displacement of the swing foot. States of the same ξ at mid-step have the
-same future, so that r + 2 directions are enough: those of the zero dynamics and b, followed from a
-section to the middle of the step after.
+A Poincaré section holds the states just after an impact, x = (q, q̇). Outputs are zero or vanish by
+mid-step (re-anchoring), so that the return map has the rank of the zero dynamics at a section.
+Their coordinates are the first r of ξ = (c_y, ċ_y, ċ_x, c_x), position and velocity of the centre
+of mass in the frame of the stance sole: r = 3 where the phase is the hip's position, 4 with the
+clock. Per step ξ⁺ = A ξ + B b, b the displacement of the swing foot. States with equal ξ at
+mid-step have the same future, so that r + 2 directions suffice: those of the zero dynamics and b,
+followed from a section to the middle of the next step.
 
-A cycle of period k are maps P_0 … P_{k−1}, from section to section, and points
+A cycle of period k consists of maps P_0 … P_{k−1} from section to section, and of points
 x_{j+1} = P_j(x_j), x_k = x_0; for a walk a map is one step. G systems are treated at once: a map
-takes points (G, d) and the system that each belongs to (G,), and gives points (G, d).
+takes points (G, d) and the index of each point's system (G,), and returns points (G, d).
 """
 
 from collections.abc import Callable, Sequence
@@ -56,8 +56,8 @@ class ZeroDynamics:
 def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
     """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which converged (n,).
 
-    Points are NaN where there is none. The error of a walk from the collocated gait is one more
-    direction of the return map, whose image is that of the zero dynamics.
+    Points are NaN where there is none. The return map is linearised along its image, that of the
+    zero dynamics, and along the closure error of the walk from the collocated gait.
     """
 
     def transition(plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -85,8 +85,8 @@ def linearise(
 ) -> ZeroDynamics:
     """Zero dynamics about walks through points (2, n, 22), by central differences.
 
-    ``others`` (2, n, 24, k) are directions of states and displacements beside those of the zero
-    dynamics: B has a column for each.
+    ``others`` (2, n, 24, k) are directions of states and displacements in addition to those of the
+    zero dynamics: B has a column for each.
     """
     along = directions(loop, steps, others)
     size = loop.config.linearisation.difference
@@ -113,7 +113,8 @@ def directions(
 ) -> np.ndarray:
     """Directions of the zero dynamics at the sections, and others (2, n, 24, r + k).
 
-    Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
+    Positions and rates vary in the null space of the outputs; without a clock the phase's rate is
+    one more direction, along the gait.
     """
     clock = steps[0].clock.all()  # the dimension of the zero dynamics depends on the phase
     r = len(COORDINATES) if clock else len(COORDINATES) - 1
@@ -128,19 +129,19 @@ def directions(
 
 
 def middle(loop: ClosedLoop) -> int:
-    """Place among ``PHASES`` from which the re-anchoring is over."""
+    """Index in ``PHASES`` from which the re-anchoring is over."""
     return int(np.searchsorted(PHASES, loop.config.correction_end - 1e-9))
 
 
 def with_moves(x: np.ndarray) -> np.ndarray:
-    """States (..., 22) and displacements of zero (..., 24)."""
+    """States (..., 22) followed by zero displacements (..., 24)."""
     return np.concatenate([x, np.zeros((*x.shape[:-1], _MOVES))], axis=-1)
 
 
 def _observe(
     loop: ClosedLoop, plan: StepPlan, after: StepPlan, z: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
-    """``observed``, then ξ at the middle of the step after, of states and displacements."""
+    """``observed``, then ξ at the middle of the next step, from states and displacements."""
     flow = loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:])
     ahead = loop.part(take(after, rows), flow.after_impact.state, middle(loop))
     return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*ahead))], axis=1)
@@ -190,7 +191,7 @@ def limit_cycles(
     """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which converged (G,).
 
     Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by each step's residual.
-    ``slopes`` (G, d, d) are DP of the whole cycle at the start, in the directions that P leads to.
+    ``slopes`` (G, d, d) are DP of the entire cycle at the start, on the image of P.
     """
     points = orbits(maps, start)
     residual = np.eye(start.shape[1]) - slopes
@@ -225,7 +226,7 @@ def chain(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
 
 
 def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
-    """Eigenvalues of a whole cycle (d,), greatest modulus first."""
+    """Floquet multipliers of a cycle (d,), greatest modulus first."""
     eigenvalues = np.linalg.eigvals(chain(derivatives))
     return eigenvalues[np.argsort(-np.abs(eigenvalues))]
 
@@ -233,13 +234,13 @@ def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
 def restrict(now: np.ndarray, ahead: np.ndarray) -> np.ndarray:
     """Derivatives (k, ..., r, m) of a cycle's maps on a manifold that attracts within one map.
 
-    The future of a point depends on r numbers alone; F_j are their derivatives at section j. A
+    The future of a point depends on r quantities only; F_j are their derivatives at section j. A
     perturbation off the manifold is replaced by the one on it that has the same future.
 
     Args:
         now: F_j E_j (k, ..., r, r), with tangents x = E_j ξ of the manifold at the sections.
-        ahead: of F at the next section, along m directions at this one (k, ..., r, m). Along E_j
-            they give A_j, ξ_{j+1} = A_j ξ_j, whose product has the multipliers of the whole cycle
-            that are not zero.
+        ahead: F at the next section along m directions at this one (k, ..., r, m). Along E_j the
+            result is A_j, ξ_{j+1} = A_j ξ_j; the product of all A_j has the nonzero multipliers of
+            the cycle.
     """
     return np.linalg.solve(np.roll(now, -1, axis=0), ahead)

@@ -119,9 +119,9 @@ class GaitStatistics(NamedTuple):
 
 
 def gait_statistics(library: GaitLibrary, vx: float) -> GaitStatistics | None:
-    """Statistics of the blended gait at (vx, 0) [m/s]; none outside of the library.
+    """Statistics of the blended gait at (vx, 0) [m/s]; None outside the library's range.
 
-    For comparison, not a bound: the gaits are not optimised for an even speed.
+    For comparison, not a bound: the gaits are not optimised for a constant speed.
     """
     axis = library.mesh.vx
     if not axis[0] - _OUTSIDE <= vx <= axis[-1] + _OUTSIDE:
@@ -135,5 +135,5 @@ def gait_statistics(library: GaitLibrary, vx: float) -> GaitStatistics | None:
 
 
 def _mean(steps: np.ndarray) -> np.ndarray:
-    """Mean over the time of each step (2,), trapezoidal, of samples (2, nodes) even in time."""
+    """Trapezoidal mean over each step (2,) of samples (2, nodes) evenly spaced in time."""
     return np.trapezoid(steps, dx=1.0 / (steps.shape[1] - 1), axis=1)

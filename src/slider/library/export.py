@@ -1,4 +1,4 @@
-"""A library for people: a summary as text."""
+"""Summary of a library as text."""
 
 import numpy as np
 

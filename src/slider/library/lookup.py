@@ -72,7 +72,7 @@ class GaitTable:
         step = xp.asarray(phase >= 0.5, dtype=xp.int64)
         position = (2.0 * phase - step) * (per_step - 1)
         node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
-        share, k = position - node, step * per_step + node  # the sample before, the way to the next
+        share, k = position - node, step * per_step + node  # sample before, share of the next
         flat = self.values.reshape(-1, columns)
         result = zeros((len(velocity), columns), velocity)
         _, ny, nw = self.times.shape
@@ -86,8 +86,8 @@ class GaitTable:
     def standing(self) -> Array:
         """Row (columns,) of a robot that stands on both feet, at rest.
 
-        The mean of the two changes of feet of the gait in place, which are reflections of each
-        other.
+        The mean of the two touchdowns of the gait in place (zero velocity), which are reflections
+        of each other.
         """
         place, phase = zeros((2, 3), self.values), asarray([0.0, 0.5], self.values)
         result = self._rows(place, phase).mean(axis=0)

@@ -44,7 +44,7 @@ def clearance(library: GaitLibrary, gait: int) -> float:
 class Smoothness:
     """Pairs (P, 2) of neighbouring gaits, and the greatest jump (P, C) of each channel.
 
-    A jump is a |difference| over the samples / range of the channel over the whole library [-].
+    A jump is the largest |difference| of the samples / range of the channel in the library [-].
     """
 
     pairs: np.ndarray
@@ -66,8 +66,8 @@ class Smoothness:
 def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
     """Jumps between neighbours of gaits with velocities (G, 3) and channels (G, S, C).
 
-    Each channel is divided by its range over all gaits and samples: 0.1 is a tenth of it. One that
-    never changes has no jumps.
+    Each channel is divided by its range over all gaits and samples: 0.1 is a tenth of it. A
+    constant channel has no jumps.
     """
     pairs = neighbours(velocities)
     extent = np.ptp(samples, axis=(0, 1))
@@ -79,7 +79,7 @@ def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
 def neighbours(velocities: np.ndarray) -> np.ndarray:
     """Pairs (P, 2) of gaits that follow one another along one axis of the velocity.
 
-    Between the two there is no further gait; a hole between them does not part them.
+    No other gait lies between the two, but holes may.
     """
     pairs = []
     for along, *fixed in ((0, 1, 2), (1, 0, 2), (2, 0, 1)):

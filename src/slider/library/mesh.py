@@ -1,12 +1,12 @@
 """The grid of velocities (vx, vy, yaw rate), and the weights of its gaits at any velocity.
 
-All interpolation between gaits goes through these weights. A velocity inside the grid is linear
-along each axis between the nodes around it and a velocity outside takes the border's, so that
-weights are continuous everywhere; along an axis with one value they are constant. A node with a
-gait is that gait alone. A node without one (a hole, or a velocity that only another part of the
+All interpolation between gaits uses these weights. Inside the grid they are linear along each axis
+between the nodes around a velocity, outside they are those of the nearest point of the border, so
+that they are continuous everywhere; along an axis with one value they are constant. A node with a
+gait has that gait alone. A node without one (a hole, or a velocity that only another part of the
 grid has) is filled once, from the gaits before and after it along each axis, the nearer pair
-counting more; where it lies between no two gaits it is the nearest gait, 1 rad/s as far as 1 m/s.
-Attitudes are blended as quaternions, aligned before and made unit after.
+counting more; if it lies between no two gaits it takes the nearest, 1 rad/s counting as 1 m/s.
+Attitudes are blended as quaternions, aligned before and normalised after.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from slider.core.arrays import Array, namespace
 _QUATERNION = slice(3, 7)  # of the 13 columns of the base's motion
 
 Node = tuple[Array, Array, Array]
-"""Places (N,) along vx, vy and yaw rate."""
+"""Indices (N,) along vx, vy and yaw rate."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Axes:
         return tuple(len(axis) for axis in self)
 
     def inside(self, velocity: Array) -> Array:
-        """Nearest velocities (..., 3) that the grid has."""
+        """Velocities (..., 3) clipped to the range of the grid."""
         xp = namespace(velocity)
         lower, upper = (xp.stack([axis[end] for axis in self]) for end in (0, -1))
         return velocity.clip(lower, upper)
@@ -82,7 +82,7 @@ def corners(axes: Axes, velocity: Array) -> list[tuple[Node, Array]]:
 
 
 def _sides(axis: Array, value: Array) -> list[tuple[Array, Array]]:
-    """Places (N,) below and above along an axis, and their weights; one place if it has no more.
+    """Indices (N,) below and above along an axis, and their weights; one for a single value.
 
     Values outside are clamped.
     """
@@ -127,14 +127,14 @@ def distances(velocities: np.ndarray, place: Sequence[float] | np.ndarray) -> np
 
 
 def aligned(base: np.ndarray) -> np.ndarray:
-    """Base motion (..., 13) with quaternions on one half sphere, so that they may be blended."""
+    """Base motion (..., 13) with quaternions in one hemisphere, so that they may be blended."""
     result = base.copy()
     result[..., _QUATERNION] *= np.where(base[..., 3:4] < 0, -1.0, 1.0)
     return result
 
 
 def normalise(base: np.ndarray) -> np.ndarray:
-    """Make the quaternions of blended motion (..., 13) unit again, in place; return it."""
+    """Normalise the quaternions of blended base motion (..., 13) in place; return it."""
     quaternion = base[..., _QUATERNION]
     quaternion /= namespace(base).linalg.vector_norm(quaternion, axis=-1, keepdims=True)
     return base

@@ -49,7 +49,7 @@ ARRAYS: dict[str, Array] = {
     "iterations": Array("1"),
     "residuals": Array("unit of the constraint", ("constraint",)),
 }
-# One value per gait; xarray takes them for coordinates.
+# One value per gait; xarray reads them as coordinates.
 COORDINATES: dict[str, Array] = {
     "vx": Array("m/s"),
     "vy": Array("m/s"),
@@ -58,7 +58,7 @@ COORDINATES: dict[str, Array] = {
 }
 
 CONSTRAINT = "constraint"
-"""Axis of the residuals, whose names are the formulation's and come with the gaits."""
+"""Axis of the residuals; its names, those of the formulation, are read from the gaits."""
 BASE_CHANNELS = (
     *("x", "y", "z"),
     *("qw", "qx", "qy", "qz"),
@@ -69,7 +69,7 @@ WRENCH_COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def labels(geometry: Geometry) -> dict[str, tuple[str, ...]]:
-    """Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates."""
+    """Names along the axes: one-dimensional arrays of text, which xarray reads as coordinates."""
     return {
         "component": VELOCITY,
         "channel": names.channels(geometry),
@@ -127,7 +127,7 @@ class GaitLibrary:
     Attributes:
         arrays: name → values, gaits along the first axis, each read on first use; names, axes and
             units are those of ``ARRAYS``.
-        attributes: of the store, as JSON has them; the properties below give them their types.
+        attributes: of the store, as read from JSON; the properties below convert them.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -138,7 +138,7 @@ class GaitLibrary:
         """Open the Zarr store at ``path``.
 
         Raises:
-            UserError: not a gait library, of another version, or without one of its parts.
+            UserError: it is not a gait library, has another version, or lacks a part.
         """
         try:
             group = zarr.open_group(path, mode="r")
@@ -233,14 +233,14 @@ class GaitLibrary:
 
 
 class _Stored(Mapping[str, np.ndarray]):
-    """Arrays of a Zarr group, each read when it is first asked for."""
+    """Arrays of a Zarr group, each read on first access."""
 
     def __init__(self, group: zarr.Group) -> None:
         self._group: Any = group
         self._read: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._read:  # zarr.config may say "F"
+        if name not in self._read:  # zarr.config may set "F"
             self._read[name] = np.asarray(self._group[name][...], order="C")
         return self._read[name]
 

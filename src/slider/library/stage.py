@@ -49,7 +49,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
-    """Whether a gait counts as converged: for IPOPT, and by its worst residual."""
+    """Whether a gait counts as converged, by IPOPT's status and by its worst residual."""
     return report["converged"] and report["max_violation"] <= max_violation
 
 
@@ -58,7 +58,7 @@ def _write(
 ) -> None:
     """Write gaits to a Zarr store; the same gaits give the same bytes.
 
-    Zarr's settings are its defaults, whatever variables (``ZARR_…``) and files say.
+    Zarr's defaults apply, whatever its environment variables (``ZARR_…``) and files say.
     """
     constraints = tuple(reports[0]["residuals"])
     geometry = from_dict(Mechanism, attributes["robot"], "robot").geometry
@@ -118,7 +118,7 @@ def _beyond(report: Report, name: str) -> str:
 
 
 def _describe(holes: Sequence[Report], good: int) -> str:
-    """One line: gaits that did not converge, their worst constraints, and how to go on."""
+    """One line: gaits that did not converge, their worst constraints, and how to proceed."""
     texts = []
     for report in holes:
         name = max(report["residuals"], key=report["residuals"].__getitem__)

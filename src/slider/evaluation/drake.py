@@ -1,7 +1,7 @@
-"""The stages ``drake_audit`` and ``drake_evaluation``: Drake's model against MuJoCo's; walks in it.
+"""The stages ``drake_audit`` and ``drake_evaluation``: Drake against MuJoCo; walks in Drake.
 
-The audit compares the two models part by part: first what Drake's model was given, read back from
-it, then what both compute from it, in the coordinates of MuJoCo. No evaluation starts before it.
+The audit compares the two models part by part: first the parameters, as read back from Drake's
+model, then what both compute, in MuJoCo's coordinates. No evaluation starts before it has passed.
 """
 
 # mujoco has no type stubs for its compiled part; drake is optional.
@@ -31,8 +31,8 @@ from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
 STATES, SECONDS = 100, 1.0
 _BASE, _SEED = 6, 0
-_EXACT = 1e-8  # rounding: of numbers up to some hundreds
-_INTEGRATED, _SUNK = 1e-4, 1e-2  # of two integrators, of two contact models [m, rad]
+_EXACT = 1e-8  # rounding of values up to some hundreds
+_INTEGRATED, _SUNK = 1e-4, 1e-2  # between two integrators, between two contact models [m, rad]
 Difference = tuple[str, str, float, float]
 
 
@@ -110,7 +110,7 @@ def _bodies(model: mujoco.MjModel, plant: Any) -> Iterator[Difference]:
 
 
 def _joints(model: mujoco.MjModel, plant: Any) -> Iterator[Difference]:
-    """Axis, range, damping and armature, with what the motors' rotors add."""
+    """Axis, range, damping and armature, the motors' rotors included."""
     bare = copy.copy(model)
     bare.dof_armature[:] = bare.tendon_armature[:] = 0.0
     added = _mass_matrix(model) - _mass_matrix(bare)
@@ -141,7 +141,7 @@ def _mass_matrix(model: mujoco.MjModel, data: Any = None) -> np.ndarray:
 def _state(
     model: mujoco.MjModel, data: Any, robot: DrakeRobot, rng: np.random.Generator
 ) -> Iterator[Difference]:
-    """What both compute in a random state: dynamics, places of the feet, torques of the motors."""
+    """Results of both in a random state: dynamics, positions of the feet, torques of the motors."""
     lower, upper = model.jnt_range[1:].T
     turn = rng.standard_normal(4)
     data.qpos[:7] = [*rng.uniform(-1, 1, 3), *(turn / np.linalg.norm(turn))]

@@ -1,7 +1,7 @@
-"""The stage ``gait_walks``: walks of every gait in MuJoCo from its own first sample, by feedback.
+"""The stage ``gait_walks``: every gait walks in MuJoCo from its first sample, under feedback.
 
 The controller is ``hzd``, integral action included, at the gait's constant velocity, without noise
-and without the bound of its fastest gait.
+and without the controller's speed limit.
 """
 
 from dataclasses import replace
@@ -28,7 +28,7 @@ from slider.robot.names import NUM_JOINTS, VELOCITY
 
 CSV, MARKDOWN = "gait_walks.csv", "gait_walks.md"
 _IN_PLACE = 1e-9  # forward [m/s]; a robot stands at zero velocity
-_PATIENCE = 1.5  # a walk has this many times the gaits' duration for its steps
+_PATIENCE = 1.5  # time limit of a walk, as a multiple of the gaits' duration
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -90,7 +90,7 @@ def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _write(table: pd.DataFrame, steps: int, out: Path) -> None:
-    """CSV of all gaits, and for people how many walk at each forward speed."""
+    """Write a CSV of all gaits, and as Markdown how many walk at each forward speed."""
     tables.write(table, out / CSV)
     rows = []
     for vx, walked in table.groupby("vx")["walked"]:

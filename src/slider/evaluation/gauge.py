@@ -31,7 +31,7 @@ CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
 COUNTS = ("survived", "passed", "mean_velocity")  # empty where a level was not run
 COLUMNS = ("level", "value", "direction", "seed", "speed", "robots", *COUNTS)
-_WORDS = {  # of a value: text, and shown number per stored one
+_WORDS = {  # of a value: format, and factor to the displayed unit
     "friction": ("{:.3g}", 1.0),
     "payload": ("{:.3g} kg", 1.0),
     "delay": ("{:.3g} ms", 1e3),
@@ -42,7 +42,7 @@ _WORDS = {  # of a value: text, and shown number per stored one
 
 
 def words(axis: str, value: float) -> str:
-    """What a value is, such as ``6.25°`` or ``40 ms``."""
+    """A value of an axis as text, such as ``6.25°`` or ``40 ms``."""
     if axis in TERRAINS:
         return magnitude(axis, value)
     text, factor = _WORDS[axis]
@@ -52,9 +52,9 @@ def words(axis: str, value: float) -> str:
 def disturbed(
     protocol: GaugeProtocol, axis: str, value: float, direction: float | None = None
 ) -> DisturbanceConfig:
-    """The protocol's disturbance but with a value of an axis, in SI units.
+    """The protocol's disturbance with one axis set to a value, in SI units.
 
-    ``sensor_noise`` multiplies the protocol's white noise. The direction of pushes is counted from
+    ``sensor_noise`` multiplies the protocol's white noise. The direction of pushes is measured from
     forward towards left [rad].
     """
     base, exactly = protocol.disturbance, Interval(value, value)
@@ -127,7 +127,7 @@ def count_passes(recording: Recording, protocol: GaugeProtocol) -> dict[str, np.
 
 
 def with_noisier_sensors(section: Section, factor: float) -> Section:
-    """A section whose sensors on board, where the controller has them, err by ``factor`` more."""
+    """A section whose onboard sensors, if it has any, have ``factor`` times the errors."""
     key = "plant" if "plant" in section else "env"
     onboard = section[key]["onboard"]
     if onboard is None:
@@ -142,7 +142,7 @@ def with_noisier_sensors(section: Section, factor: float) -> Section:
 def _simulate(
     section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
 ) -> Setup:
-    """A controller that can fail."""
+    """Set up a controller whose fallen robots can be deactivated."""
     build = _set_up_exported if "policy" in inputs else set_up
     setup = build(section, inputs, count, disturbance, threads)
     if "control" in section:

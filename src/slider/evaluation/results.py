@@ -90,7 +90,7 @@ class Evaluation:
 
 
 def robots_frame(trials: int, count: int, metrics: Columns) -> pd.DataFrame:
-    """Rows with the metrics of robots, of which those of a trial stand next to each other."""
+    """Rows with the metrics of robots, which are ordered by trial."""
     return pd.DataFrame(places(trials, count) | metrics)[[*COLUMNS]]
 
 
@@ -148,9 +148,9 @@ def _mean(name: str, robots: pd.DataFrame, column: str) -> dict[str, float]:
 
 
 def quality(robots: pd.DataFrame, gait: GaitStatistics | None = None) -> dict[str, float]:
-    """How the robots that survive walk, beside the numbers of a ``gait``; NaN where none survived.
+    """Gait quality of the robots that survive, and statistics of a ``gait``; NaN if none survived.
 
-    Means over robots, but for extremes, which are those of all robots: ``penetration_max``,
+    Means over robots, except for the extremes over all robots: ``penetration_max``,
     ``peak_effort``, ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean
     of the robots' largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and
     ``robots_cross`` are the shares of robots whose legs ever touch or cross.
@@ -174,7 +174,7 @@ def _ever(shares: np.ndarray) -> float:
     return float(np.mean(shares > 0))
 
 
-# Quantity of a robot → columns, and how its values over robots become their number.
+# Quantity of a robot → columns, each with its statistic over robots.
 _NUMBERS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
     "heading": {"heading": np.mean, "heading_worst": np.max},
     "penetration_max": {"penetration_max": np.max},
@@ -190,7 +190,7 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
     """Wilson's 95 % interval of the probability behind ``successes`` out of ``count``.
 
     Its ends are the p with |successes / count − p| = z √(p (1 − p) / count), z being ``Z``
-    (E. B. Wilson, 1927). The draws are taken as independent.
+    (E. B. Wilson, 1927). The draws are assumed to be independent.
 
     Raises:
         ValueError: the count is not positive, or smaller than the successes.

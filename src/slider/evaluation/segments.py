@@ -9,14 +9,14 @@ from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation.results import AXES, MEASURES, SEGMENT_COLUMNS, places
 
-SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
+SMOOTHING = 1.0  # averaging over this time, more than a stride in place, removes the sway [s]
 
 
 def velocities(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:
     """Velocities (S, 3): vx, vy [m/s], yaw rate [rad/s] of each control ``period`` [s].
 
-    Constant in each segment but for its first ``ramp`` seconds, which lead linearly from the
-    velocity of the segment before.
+    Constant in each segment except for its first ``ramp`` seconds, which interpolate linearly from
+    the velocity of the previous segment.
     """
     times = period * np.arange(round(duration / period))
     values = np.array([[getattr(one, axis) for axis in AXES] for one in case.segments])
@@ -29,7 +29,7 @@ def velocities(case: CaseConfig, ramp: float, duration: float, period: float) ->
 
 
 def windows(case: CaseConfig, warm_up: float, duration: float, period: float) -> list[slice]:
-    """Control steps of each segment but for its first ``warm_up`` seconds."""
+    """Control steps of each segment without its first ``warm_up`` seconds."""
     starts = [segment.time for segment in case.segments]
     ends = [*starts[1:], duration]
     return [
@@ -41,7 +41,7 @@ def windows(case: CaseConfig, warm_up: float, duration: float, period: float) ->
 def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> pd.DataFrame:
     """Rows of the robots in each segment with their ``MEASURES``.
 
-    They survive a segment if they are up until its end, even if they fall later.
+    A robot survives a segment if it is up until its end, even if it falls later.
     """
     warm_up = profile_of(protocol).warm_up
     steps = windows(case, warm_up, protocol.duration, recording.period)
@@ -86,7 +86,7 @@ def _fastest(velocity: np.ndarray, period: float) -> np.ndarray:
 
 
 def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
-    """Over time: command, mean and spread of the robots that are up (S, 3, 3), share of these.
+    """Time series of the command, of mean and spread over the robots that are up, and their share.
 
     Returns:
         (S, 10) float32: commanded vx, vy, yaw rate; means of the three, their standard deviations
@@ -94,7 +94,7 @@ def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
     """
     width = max(1, round(profile_of(protocol).window / recording.period))
     alive = recording.alive[:, :, None]
-    upright = _moving_average(alive.astype(float), width)  # what comes after a fall does not count
+    upright = _moving_average(alive.astype(float), width)  # samples after a fall do not count
     smooth = _moving_average(np.where(alive, _velocities(recording), 0.0), width)
     smooth = smooth / np.maximum(upright, 1.0 / width)
     count = np.maximum(alive.sum(axis=1), 1)

@@ -29,7 +29,7 @@ from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation
 
 Engine = Callable[..., BatchedPhysics]
-"""Makes the robots' physics, with the arguments of ``BatchedPhysics``."""
+"""Creates the robots' physics from the arguments of ``BatchedPhysics``."""
 
 
 class Setup(NamedTuple):

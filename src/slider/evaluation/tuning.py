@@ -3,10 +3,10 @@
 A trial of Optuna is one set of settings at all speeds; the first is the current one. Its score, to
 be minimised, is the mean over the speeds v of log10(e / v² + f / 10): e is the mean squared
 velocity error of the surviving robots after the warm-up (v² if there are none), f the share that
-falls. A sum e / v² + f would count one fall of twelve robots above all else. With few robots rare
-falls go unobserved, so the current settings and the best trials are measured again as finalists,
-with more robots and other starts. What a killed search has measured is kept: the next one draws the
-same trials again.
+falls. In a sum e / v² + f one fall among twelve robots would outweigh all else. With few robots
+rare falls go unobserved, so the current settings and the best trials are measured again as
+finalists, with more robots and other starts. Measurements of a killed search are kept: the next one
+draws the same trials again.
 """
 
 from collections.abc import Callable, Mapping
@@ -66,7 +66,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _kept(path: Path, measure: _Measure) -> _Measure:
-    """The same function, whose results a file keeps for the search after a kill."""
+    """The function with its results cached in a file, for the search after a kill."""
     kept: dict[str, Any] = files.read_json(path) if path.is_file() else {}
 
     def measured(config: EvaluationConfig, settings: Mapping[str, float]):
@@ -109,7 +109,7 @@ def _measure(
 
 
 def scored(tracked: Columns, speeds: list[float]) -> tuple[dict[str, float], float]:
-    """Rates and error of each speed [m/s], and the score, of robots in blocks of a speed."""
+    """Rates and error at each speed [m/s], and the score; robots are in blocks of equal speed."""
     columns: dict[str, float] = {}
     scores, blocks = [], (len(speeds), -1)
     names = ("survived", "tracked", "squared_error_steady")

@@ -1,4 +1,4 @@
-"""Check 6: what happens between the nodes, where the optimisation does not look.
+"""Check 6: the motion between the nodes, where the optimisation has no constraints.
 
 Joints follow their Bézier polynomials and the roll a quintic through its nodes; its acceleration
 is the one that leaves no moment about the foot line, so that torques and forces are consistent.

@@ -1,6 +1,6 @@
-"""Checks 1 to 4: stored samples against pinocchio, and the walk against its own start.
+"""Checks 1 to 4: dynamics and impacts by pinocchio, mean velocity and periodicity, the roll.
 
-Check 4 is about the roll, the one coordinate that is not driven. Joints follow their Bézier
+Check 4 is about the roll, the only unactuated coordinate. Joints follow their Bézier
 polynomials in time; the roll of the stance foot about its line obeys "no moment about the line"
 (pinocchio), integrated by DOP853 (Hairer, Nørsett, Wanner 1993).
 """
@@ -20,7 +20,7 @@ _BASE = 6
 
 
 def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
-    """A sample as it is stored; the world's origin is the stance foot, its x axis that foot's.
+    """State of a stored sample; the world's origin and x axis are those of the stance foot.
 
     The library stores no accelerations: they follow from the coefficients and the foot's roll.
     """
@@ -41,7 +41,7 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
 
 
 def _seen_from(state: FloatingState, yaw: float) -> FloatingState:
-    """The same in axes that are yawed about the origin; velocities are the base's own."""
+    """A state in axes that are yawed about the origin; velocities are in the base frame."""
     back = _about_z(-yaw)
     attitude = (back * Rotation.from_quat(state.q[3:7])).as_quat()
     q = np.concatenate([back.apply(state.q[:3]), attitude, state.q[7:]])
@@ -53,8 +53,8 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
 
     Returns:
         Worst torque of the knee's joints [N m] and effort of the slide's [N m, N], force and moment
-        left on the floating base [N, N m], and stored moment about the foot line [N m]: of a sole
-        that about the ankle's roll.
+        left on the floating base [N, N m], and stored moment about the foot line [N m]: for a
+        sole that about the ankle's roll axis.
     """
     rows = []
     for sample in range(2 * gait.half):
@@ -74,7 +74,7 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
 
 
 def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
-    """Plastic impacts at both touchdowns: velocities after it, and the impulse that is left.
+    """Plastic impacts at both touchdowns: velocities after them, and residual impulses.
 
     Returns:
         Worst velocity [rad/s, m/s] against the solution of mass matrix and contact Jacobian, and
@@ -105,10 +105,10 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
 
 
 def mean_velocity(gait: StoredGait) -> dict[str, float]:
-    """Displacement of the base in each step along its stance foot, against the velocity [m/s].
+    """Error of the base's mean velocity, each step in the axes of its stance foot [m/s].
 
-    The last sample of a step is the first one of the next, but for its velocities. Straight ahead
-    the feet are displaced alike.
+    The last sample of a step is the first of the next, except for the velocities. Without a yaw
+    rate the displacement of the feet is checked alike.
     """
     starts, ends = gait.base[[0, gait.half], :3], gait.base[[gait.half - 1, -1], :3]
     ways = enumerate(ends - starts)
@@ -127,8 +127,8 @@ def _about_z(angle: float) -> Rotation:
 def periodicity(gait: StoredGait) -> dict[str, float]:
     """Jump of joints [rad], base position [m] and orientation [rad] over both touchdowns.
 
-    Velocities jump; by how much is the impact's check. The next walk starts where the feet have
-    gone to, yawed by both turns.
+    Velocity jumps are checked by ``impact``. The next walk starts where the feet are after this
+    one, yawed by both turns.
     """
     ends = [gait.half - 1, 2 * gait.half - 1]
     starts = [gait.half, 0]
@@ -155,7 +155,7 @@ def integrate_roll(
     """Roll of a stance foot and its rate (N, 2) at times (N,) from a start (2,) at the first.
 
     Raises:
-        RuntimeError: the integrator gave up.
+        RuntimeError: the integrator failed.
     """
 
     def derivative(time: float, state: np.ndarray) -> np.ndarray:

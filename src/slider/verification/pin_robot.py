@@ -1,8 +1,8 @@
-"""The robot as a floating-base pinocchio model: an independent dynamics.
+"""The robot as a floating-base pinocchio model: independent dynamics.
 
 Joints and inertias come from the parameter file, and nothing is shared with the models of the
-optimisation. The prismatic leg is the leg as it is built; the knee leg is the virtual knee that
-carries its mass.
+optimisation. The prismatic leg is the leg as built; the knee leg is the virtual knee with the same
+mass.
 """
 
 # pinocchio lies below cmeel.prefix, where pyright does not look.
@@ -39,7 +39,7 @@ _DRIVEN = list(GAIT_JOINTS)
 class FloatingState:
     """Configuration (17,), velocity and acceleration (16,) of the floating-base model.
 
-    Of a robot with soles (19,) and (18,).
+    For a robot with soles (19,) and (18,).
     """
 
     q: np.ndarray
@@ -50,13 +50,13 @@ class FloatingState:
 class PinRobot:
     """A robot whose bodies move as ``gait.dynamics`` says: ``prismatic`` or ``knee``.
 
-    Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines or soles. Its joints
-    are the slide's or the virtual knee's, those in which its bodies move; gaits are polynomials in
-    the knee's. Eq. 1 (exact) gives the slide's: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work
-    τ_k = Jᵀ τ_p.
+    Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines or soles. The model's
+    joints are those of the slide or of the virtual knee, in which its bodies move; gaits are
+    polynomials in the knee's. Eq. 1 (exact) maps them to the slide's: q̈_p = J q̈_k + J̇ q̇_k, and by
+    virtual work τ_k = Jᵀ τ_p.
 
-    Soles are level about x at all times: the roll of a step is the leg's about the axis of the
-    stance ankle's roll, and the swing ankle's roll follows from the motion of its leg.
+    Soles are always level about x: the roll of a step is that of the leg about the stance ankle's
+    roll axis, and the swing ankle's roll follows from the motion of its leg.
     """
 
     def __init__(self, robot: Mechanism, dynamics: str) -> None:
@@ -91,11 +91,11 @@ class PinRobot:
         self.data = self.model.createData()
 
     def joint_motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """Motion (..., 10) of its own joints of a motion of the knee legs (..., 10)."""
+        """Motion (..., 10) of the model's joints for a motion of the knee legs (..., 10)."""
         return prismatic_motion(q, v, a, self.lengths) if self._slides else (q, v, a)
 
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
+        """Torques of the knee's joints and efforts of the slide's (10,) from the model's forces.
 
         q (10,) are positions of the knee legs. Forces and efforts of a robot with soles: (12,).
         """
@@ -128,9 +128,9 @@ class PinRobot:
     def roll_moment(
         self, state: FloatingState, efforts: np.ndarray, wrench: np.ndarray, side: str
     ) -> float:
-        """Moment [N m] about the roll's axis, of joints' efforts and the ground's wrench (6,).
+        """Moment [N m] about the roll axis, from joint efforts and the ground wrench (6,).
 
-        Of a line foot the ground's; of a sole its own on its leg: no rotor, no friction.
+        For a line foot the ground's; for a sole the ankle roll's rotor and damping less its effort.
         """
         if self.soles is None:
             return float(wrench[3])
@@ -164,7 +164,7 @@ class PinRobot:
     ) -> FloatingState:
         """State whose stance sole is at the origin and only rolls: angle, rate, acceleration.
 
-        A sole with a width does not roll, but its ankle does by the opposite.
+        A sole with a width does not roll, but its ankle rolls by the opposite angle.
         """
         if self.soles is not None:
             q, v, a = all_joints(np.array([q, v, a]))
@@ -206,7 +206,7 @@ class PinRobot:
         state.a[_BASE + joint] -= tilting[2] / row[_BASE + joint]
 
     def levelling(self, q: np.ndarray, side: str) -> np.ndarray:
-        """``levelling`` of a side (2, 18)."""
+        """The function ``levelling`` for a side (2, 18)."""
         jacobian = self.jacobian(q, side)
         return levelling(self.data.oMf[self.sole(side)].rotation, jacobian, side)
 
@@ -219,7 +219,7 @@ class PinRobot:
     def _supported(
         self, total: np.ndarray, q: np.ndarray, side: str
     ) -> tuple[np.ndarray, np.ndarray]:
-        """What generalised forces, or impulses, leave to joints and sole."""
+        """Split generalised forces, or impulses, into those at the joints and at the sole."""
         jacobian = self.jacobian(q, side)
         wrench = np.linalg.solve(jacobian[:, :_BASE].T, total[:_BASE])
         return total[_BASE:] - jacobian[:, _BASE:].T @ wrench, wrench
@@ -239,8 +239,8 @@ class PinRobot:
     ) -> np.ndarray:
         """Impulses (11,) [N m s] at the joints and about the foot line that a jump needs.
 
-        They vanish in a plastic impact: neither torques nor a line contact can be that fast. Of
-        soles it has those at the joints (11,), but for the roll that keeps the lifted one level.
+        They vanish in a plastic impact: neither motors nor a line contact can exert them. With
+        soles they are those at the joints (11,), without the roll that keeps the lifted one level.
         """
         joints, wrench = self._supported(self.mass(q) @ (after - before), q, side)
         if self.soles is not None:
@@ -249,7 +249,7 @@ class PinRobot:
 
 
 def last_joint(side: str) -> int:
-    """Place of an ankle's roll among the joints (12)."""
+    """Index of an ankle's roll among the joints (12)."""
     return LAST_JOINTS[SIDES.index(side)]
 
 
@@ -259,9 +259,9 @@ def full(joints: np.ndarray) -> np.ndarray:
 
 
 def levelling(rotation: np.ndarray, jacobian: np.ndarray, side: str) -> np.ndarray:
-    """Rate of the height of a sole's y axis, and that of its ankle's roll, per velocity (2, n).
+    """Jacobian rows (2, n) of the slope of a sole's y axis, and of its ankle's roll.
 
-    Of the sole's rotation (3, 3) and Jacobian (6, n).
+    From the sole's rotation (3, 3) and Jacobian (6, n).
     """
     roll = np.eye(jacobian.shape[1])[_BASE + last_joint(side)]
     return np.stack([np.cross(rotation[:, 1], _UP) @ jacobian[3:], roll])
@@ -272,8 +272,8 @@ def after_impact(
 ) -> np.ndarray:
     """Velocity (n,) after a plastic impact of a foot with Jacobian ``sole`` (6, n).
 
-    It stops but, where it is a line, for the rate about x. A sole stops; an impulse at the other
-    ankle's roll keeps that sole level, ``lifted`` of ``levelling``.
+    A line foot keeps only its rate about x. A sole stops, and an impulse at the other ankle's roll
+    keeps the lifted sole level: ``lifted`` is its ``levelling``.
     """
     held = along = sole[[0, 1, 2, 4, 5]]
     if lifted is not None:
@@ -293,7 +293,7 @@ def slide_jacobian(q: np.ndarray, lengths: KneeLengths) -> np.ndarray:
 
 
 class _LegJoint(NamedTuple):
-    """A joint, its axis and place in the frame above (3,), left [m], and the body below it.
+    """A left joint, its axis and position in the frame above (3,) [m], and the body below it.
 
     ``rotor`` and ``damping`` [kg m², kg], [N m s/rad] act about or along the joint.
     """
@@ -319,15 +319,15 @@ def _inertia_of(link: Link, share: float = 1.0) -> pin.Inertia:
 
 
 def _raised(body: pin.Inertia, height: float) -> pin.Inertia:
-    """A body whose frame lies at a height [m] of another one."""
+    """A body, seen from a frame ``height`` [m] below its own."""
     return pin.SE3(np.eye(3), height * _UP).act(body)
 
 
 def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
-    """Hip, slide and ankle; the upper foot is held by the tube, the rotors turn with their joints.
+    """Hip, slide and ankle; the upper foot is fixed to the tube, rotors turn with their joints.
 
-    A rotor of inertia I in both capstan motors at angles s/r ± β/n has the energy of 2I/r² at the
-    slide and of 2I/n² at the ankle. Without a capstan a rotor turns with its joint alone.
+    Rotors of inertia I in both capstan motors, at angles s/r ± β/n, are equivalent to 2I/r² at the
+    slide and 2I/n² at the ankle. Without a capstan a rotor turns with its joint alone.
     """
     links, geometry, capstan = robot.links, robot.geometry, robot.capstan
     rotors = {name: drive.inertia for name, drive in robot.drives.items()}
@@ -389,9 +389,9 @@ def _knee_leg(robot: Mechanism) -> list[_LegJoint]:
 
 
 def _thigh(robot: Mechanism) -> pin.Inertia:
-    """Pitch link, upper foot and the tube's rest.
+    """Pitch link, upper foot and the rest of the tube.
 
-    The rest's place balances the leg: at the nominal length, with the knee bent, the first moment
+    The rest is placed to balance the leg: at the nominal length, knee bent, the first moment
     of all links along the line from hip to ankle is that of the prismatic leg.
     """
     links, geometry, knee = robot.links, robot.geometry, robot.sliding_leg

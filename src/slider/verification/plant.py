@@ -1,7 +1,7 @@
 """Check 5: stored gaits against MuJoCo's inverse dynamics and mass matrix.
 
-The plant is the model that policies walk, without contacts and joint limits. Gaits hold upper feet
-on the tubes.
+The plant is the model that policies control, without contacts and joint limits. In gaits the upper
+feet are fixed to the tubes.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -23,7 +23,7 @@ from slider.verification.quantities import worst
 from slider.verification.stored import StoredGait
 
 _BASE = 6
-_FAR = 10.0  # beyond it a distance does not count [m]
+_FAR = 10.0  # cut-off of distances [m]
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Plant:
 
 
 def plant_state(state: FloatingState) -> PlantState:
-    """A state of the prismatic pinocchio robot as MuJoCo has it: linear velocity in the world."""
+    """A state of the prismatic pinocchio robot for MuJoCo: linear velocity in the world frame."""
     x, y, z, w = state.q[3:7]
     rotation = rotation_from_quaternion(np.array([[w, x, y, z]]))[0]
     linear, angular = state.v[:3], state.v[3:6]
@@ -144,9 +144,9 @@ def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
 
 
 def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:
-    """Place of the centre of pressure as a share of toe or heel length, of wrenches (..., 6).
+    """Position of the centre of pressure over toe or heel length, for wrenches (..., 6).
 
-    Of a sole, where that is more, as a share of half its width.
+    For a sole, the greater of this and its share of half the width.
     """
     toe, heel = robot.ends[:, 0]
     place = -wrench[..., 4] / wrench[..., 2]

@@ -13,7 +13,7 @@ class Checked:
 
     Attributes:
         check: number of the check in ``docs/reference/verification.md``.
-        at_least: the bound is a lower one, and small values are the bad ones.
+        at_least: whether the bound is a lower one, so that small values are bad.
     """
 
     check: int
@@ -22,7 +22,7 @@ class Checked:
     at_least: bool = False
 
     def limit(self, bound: float) -> str:
-        """A bound with its sense."""
+        """A bound with its inequality sign."""
         return f"{'≥' if self.at_least else '≤'} {bound:g}"
 
 

@@ -29,7 +29,7 @@ Check = Callable[[StoredGait], dict[str, float]]
 def checks(
     robot: RobotConfig, posture: Posture, dynamics: str, config: CheckConfig
 ) -> dict[str, Check]:
-    """Checks by name; each gives some of ``QUANTITIES``.
+    """Checks by name; each returns some of ``QUANTITIES``.
 
     The ``robot`` is the plant, and the source of pinocchio's model; ``dynamics`` are those of the
     gaits, ``prismatic`` or ``knee``.

@@ -22,7 +22,7 @@ _TEXT = Quantity("", digits=".3g").text
 
 
 def judge(table: pd.DataFrame, bounds: Bounds) -> tuple[pd.DataFrame, list[str]]:
-    """The table with names of what is beyond its bound as ``failed``, and a line about each value.
+    """Add the column ``failed``, names of violated bounds; return also a line per violation.
 
     Lines are sorted by quantity.
     """
@@ -41,7 +41,7 @@ def judge(table: pd.DataFrame, bounds: Bounds) -> tuple[pd.DataFrame, list[str]]
 def write_markdown(
     path: Path, table: pd.DataFrame, bounds: Bounds, failures: Sequence[str]
 ) -> None:
-    """The verdict and worst values by quantity, of what :func:`judge` gives."""
+    """Write the verdict and the worst values by quantity, from the results of :func:`judge`."""
     failed, rows, bounded = set(" ".join(table["failed"]).split()), [], 0
     for name, about in QUANTITIES.items():
         values, bound = table[name].dropna(), bounds.get(name)

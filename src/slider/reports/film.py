@@ -1,4 +1,4 @@
-"""Pictures of a walking robot with what it should do and does written on them, as H.264.
+"""H.264 films of a walking robot, with its command and its motion written on the pictures.
 
 Import this module after ``MUJOCO_GL`` is set: MuJoCo picks its renderer when it is imported.
 """
@@ -24,15 +24,15 @@ from slider.env.rollout import Frame
 from slider.robot.scene import Relief, aim, build_scene
 
 _DISTANCE = 2.15  # of the camera from SLIDER [m]
-_BELOW = 0.25  # the base of SLIDER, what the camera looks at [m]
-_AROUND = 4.0  # ground that is drawn on all sides of the way [m]
+_BELOW = 0.25  # of the camera's target below the base of SLIDER [m]
+_AROUND = 4.0  # ground that is drawn on all sides of the path [m]
 _CELL = 0.02  # of that ground [m]
 _FOLLOW = 0.12  # time constant of the camera behind the base [s]
 _INK, _PAPER, _ALARM = (255, 255, 255), (20, 28, 38, 170), (190, 40, 40, 215)
 
 
 def relief(ground: Ground, frames: Sequence[Frame]) -> Relief:
-    """The ground (of one robot) around the way that the robot takes in ``frames``."""
+    """The ground (of one robot) around the path that the robot takes in ``frames``."""
     way = np.array([frame.qpos[:2] for frame in frames])
     (left, back), (right, front) = way.min(axis=0) - _AROUND, way.max(axis=0) + _AROUND
     x, y = np.arange(left, right, _CELL), np.arange(back, front, _CELL)
@@ -47,10 +47,10 @@ def render(
     cameras: Sequence[str],
     relief: Relief | None = None,
 ) -> Iterator[np.ndarray]:
-    """Pictures (height, width, 3) uint8 of a robot, ``size`` is width and height [pixel].
+    """Pictures (height, width, 3) uint8 of a robot; ``size`` is width and height [pixel].
 
-    What the ``cameras`` of ``CAMERAS`` see, which follow it, stands next to each other. A
-    ``relief`` is in the place of the flat floor.
+    The views of the ``cameras`` of ``CAMERAS``, which follow it, are side by side. A ``relief``
+    replaces the flat floor.
 
     Raises:
         UserError: nothing can be rendered on this machine.
@@ -100,7 +100,7 @@ def annotate(picture: np.ndarray, title: str, subtitle: str, alarm: bool) -> Ima
 
 
 def write(pictures: Iterable[Image.Image], config: VideoConfig, path: Path) -> None:
-    """Encode pictures as an MP4 file that browsers play; one thread, so same in, same out."""
+    """Encode pictures as an MP4 file that browsers play; one thread, so that it is reproducible."""
     with av.open(str(path), "w", options={"movflags": "+faststart"}) as container:
         stream = container.add_stream("libx264", rate=Fraction(config.frame_rate))
         stream.width, stream.height, stream.pix_fmt = config.width, config.height, "yuv420p"

@@ -49,7 +49,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 def gauge_frame(cells: pd.DataFrame, labels: Mapping[str, str], survival: float) -> pd.DataFrame:
     """A row per controller and axis, and after those of a controller its gauge number.
 
-    ``level`` is the highest one, ``magnitude`` what it is, ``pass_3`` the pass rate of level 3.
+    ``level`` is the highest one, ``magnitude`` its value as text, ``pass_3`` level 3's pass rate.
     """
     rows = []
     for controller, mine in cells.groupby("controller", sort=False):

@@ -1,4 +1,4 @@
-"""Markdown as HTML that needs no other file: pictures and films are in it."""
+"""Markdown as self-contained HTML, with pictures and films embedded."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ _LONGEST = 40  # characters of a number with its spread and interval, which stay
 
 
 def page(title: str, sections: Mapping[str, tuple[str, str]]) -> str:
-    """The whole page, without scripts; of each section title and HTML, by its name."""
+    """The entire page, without scripts; ``sections`` are title and HTML by name."""
     environment = Environment(loader=PackageLoader("slider.reports", "templates"), autoescape=True)
     return environment.get_template("page.html").render(title=title, sections=sections)
 
@@ -59,5 +59,5 @@ def _image(self, tokens: Sequence[Token], index: int, options, env) -> str:
 
 
 def data_address(path: Path, kind: str) -> str:
-    """A file as a ``data:`` address of a media type."""
+    """``data:`` URL of a file of a media type."""
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -1,4 +1,4 @@
-"""The stage ``report``: one self-contained page, of what the reports say and of what is below."""
+"""The stage ``report``: one self-contained page, from the reports and the sections below."""
 
 import json
 import re
@@ -38,7 +38,7 @@ _TRAININGS = {
 
 @dataclass(frozen=True)
 class Page:
-    """What sections are written from; ``files`` are their pictures and films by name."""
+    """What sections are written from; ``files`` collects their pictures and films by name."""
 
     section: Section
     inputs: Inputs
@@ -67,7 +67,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         about = page_section(name)
         if name in WRITERS:
             parts = [(tables.markdown(WRITERS[name](page)), page.files)]
-        else:  # the section's heading is in the place of its first report's
+        else:  # the section's heading replaces its first report's
             first, *others = (_document(inputs, place) for place in about.documents)
             parts = [(re.sub(r"\A# .*", "", first[0]), first[1]), *others]
         shown[name] = about.title, "".join(html.html(*part) for part in parts)
@@ -87,7 +87,7 @@ def _document(inputs: Inputs, place: str) -> tuple[str, dict[str, Path]]:
 
 
 def overview(page: Page) -> Iterator[str]:
-    """The robot walking beside error over cost of transport."""
+    """A film of the walking robot, and the figure of error over cost of transport."""
     films = [about for about in page.films() if about["fell_at"] is None]
     films.sort(key=lambda about: (about["controller"] != POLICY, -about["speed"]))
     first = [f'![{about["caption"]}]({about["name"]} "autoplay")' for about in films[:1]]

@@ -1,7 +1,7 @@
 """Stages of figures and tables from evaluations: velocity over time, and the protocols' reports.
 
-A protocol is of constant speeds (``sweep``), of segments of one case (``joystick``), or of cases
-(``heldout``); each has tables, the first two a figure, and their explanation.
+A protocol has constant speeds (``sweep``), segments of one case (``joystick``), or cases
+(``heldout``). Each report has tables with an explanation, the first two kinds also a figure.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -106,7 +106,7 @@ def _velocities(one: Evaluation, period: float) -> pd.DataFrame:
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``NAME.csv``, ``NAME.md`` and, but for cases, ``NAME.svg`` of a protocol."""
+    """Write ``NAME.csv``, ``NAME.md`` and, except for cases, ``NAME.svg`` of a protocol."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     evaluations = report.load(inputs["evaluations"], section["labels"])
     kind = protocol.profile.rows if protocol.profile else "speeds"
@@ -222,7 +222,7 @@ def _cases(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.
 
 
 def _standing(robots: pd.DataFrame) -> dict[str, float]:
-    """Share of all robots that survived and stood; of survivors the fastest, and the drift [m]."""
+    """Share of all robots that survived and stood; greatest speed and drift [m] of survivors."""
     alive = robots[robots["survived"]]
     standing, count = int((alive["fastest"] < STANDING).sum()), len(robots)
     drift = alive["displacement"]
@@ -239,7 +239,7 @@ _CASE_COLUMNS = {
 
 
 def _case_tables(frame: pd.DataFrame) -> Iterator[Table]:
-    """Of each controller constant speeds, standing and sideways, without empty tables."""
+    """For each controller constant speeds, standing and sideways, without empty tables."""
     titles = np.where(frame["standing_rate"].isna(), _CONSTANT, _STANDS)
     frame = frame.assign(title=np.where(frame["vy_command"] != 0, "Sideways", titles))
     for (label, mine), (title, columns) in product(

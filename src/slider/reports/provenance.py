@@ -29,7 +29,7 @@ _STAGES = {  # in the order in which they run; others follow
 
 
 Recorded = tuple[Mapping[str, Any], Mapping[str, Any], Path]
-"""Of a result its origin (stage, label, recipe, source digest, versions), its run metadata (times,
+"""Of a result: its origin (stage, label, recipe, source digest, versions), its run metadata (times,
 machine, commit), and its object's folder."""
 
 
@@ -66,7 +66,7 @@ def _table(jobs: Sequence[Recorded]) -> pd.DataFrame:
 
 
 def in_order(stages: Iterable[str]) -> list[str]:
-    """Different stages in the order in which they run, those without a title last."""
+    """Distinct stages in the order in which they run, those without a title last."""
     present = set(stages)
     return [*(stage for stage in _STAGES if stage in present), *sorted(present - set(_STAGES))]
 

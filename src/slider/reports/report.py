@@ -1,4 +1,4 @@
-"""What reports have in common: evaluations as a frame; table, figure and document as files."""
+"""Shared parts of reports: evaluations as a frame; table, figure and document as files."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -28,7 +28,7 @@ def results(
 ) -> pd.DataFrame:
     """The rows of :func:`slider.evaluation.results.compare`, with ``label`` and ``source``.
 
-    Without the numbers of the library's gaits where ``library`` is None.
+    Without the statistics of the library's gaits where ``library`` is None.
     """
     frame = compare(evaluations, library or ())
     frame.insert(1, "label", [one.label for one in evaluations])
@@ -47,7 +47,7 @@ def across(
 ) -> Table:
     """Quantities and the ``keys`` of rows down, the values of a column across.
 
-    A quantity may be of texts, which stand as they are.
+    Texts as values are shown as they are.
     """
     values, body = np.sort(frame[column].unique()), []
     for name in quantities:
@@ -75,7 +75,7 @@ def write(
 ) -> None:
     """Write ``stem``.csv, .md, and .svg of what is drawn.
 
-    Texts and tables stand below the title; a robot that is not the paper's is named.
+    Texts and tables follow the title; a robot other than the paper's is named.
     """
     tables.write(frame, stem.with_suffix(".csv"))
     head = [f"# {title}", *([] if robot == PAPER_ROBOT else [f"Robot: {robot}"])]

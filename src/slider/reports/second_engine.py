@@ -43,7 +43,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _tables(frame: pd.DataFrame, friction: float) -> Iterator[Table]:
-    """All commands with the robot's friction; frictions of the controllers that walk on others."""
+    """All commands at the robot's friction; all frictions, where other frictions were tested."""
     usual, keys = frame["friction"] == friction, ["label", "engine"]
     yield across("Commands", "command [m/s]", "speed", COMPARED, frame[usual], keys)
     places = pd.MultiIndex.from_frame(frame[["controller", "speed"]])

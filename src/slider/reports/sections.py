@@ -1,8 +1,8 @@
 """Sections of the page: title, inputs, and where each is written.
 
 A new section is a line here; if no report of the pipeline has its text, also a function in
-``slider.reports.page``. Every protocol is a section by its name. This module draws nothing, so that
-the jobs are laid out without what draws.
+``slider.reports.page``. Every protocol is a section by its name. This module imports no plotting,
+so that planning the jobs does not wait for it.
 """
 
 from typing import NamedTuple
@@ -17,8 +17,8 @@ class PageSection(NamedTuple):
     """Heading of a section, names of its inputs, and the Markdown of these that it shows.
 
     An input is a target of ``pipeline/targets.py``, such as ``verification``; a group of a
-    target's own inputs, such as ``table1.evaluations``; or ``videos``. One that a configuration
-    may be without has a question mark at its end. ``documents`` are ``INPUT/FILE``.
+    target's own inputs, such as ``table1.evaluations``; or ``videos``. One that is optional in a
+    configuration ends with a question mark. ``documents`` are ``INPUT/FILE``.
     """
 
     title: str
@@ -61,10 +61,10 @@ def page_section(name: str) -> PageSection:
 
 
 def check_sections(config: Config) -> None:
-    """Each section of the page is of the table, or a protocol.
+    """Check that each section of the page is in the table, or a protocol.
 
     Raises:
-        UserError: names those that there are.
+        UserError: it is neither; lists all sections.
     """
     for name in config.report.sections:
         one_of("report.sections", name, [*SECTIONS, *config.protocols])

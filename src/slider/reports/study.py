@@ -27,7 +27,7 @@ from slider.training.results import Training
 LEARNED = 0.95
 """Success rate in a check from which a policy counts as having learned to walk."""
 ALL, SHOWN = 40, 16
-"""Variants up to which all are in the tables; of more, those with the greatest changes."""
+"""Greatest number of variants in the tables; of more, those with the greatest changes."""
 KEYS = ["variant", "seed", "speed"]
 STATISTICS = (
     *("count", "mean", "std", "min", "max", "low", "high"),
@@ -130,8 +130,8 @@ def _outcome(report: dict[str, Any], limit: float) -> dict[str, Any]:
 def _with_optima(gaits: pd.DataFrame, same: float) -> pd.DataFrame:
     """Add the number of each optimum, 0 for the cheapest, and the cost above the cheapest.
 
-    At each speed by ascending cost a new optimum begins where a cost exceeds the one before by more
-    than the share ``same``.
+    At each speed, in order of cost, a new optimum begins where a cost exceeds the previous one by
+    more than the share ``same``.
     """
     ascending = gaits.sort_values("cost", kind="stable")
     costs = ascending.groupby("speed")["cost"]

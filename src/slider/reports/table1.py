@@ -1,4 +1,4 @@
-"""The stage ``table1``: ours beside the paper's, one row per controller and command."""
+"""The stage ``table1``: our results and the paper's, one row per controller and command."""
 
 import math
 from collections.abc import Iterator
@@ -31,10 +31,10 @@ COLUMNS = (
 METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "tracking_rate": ""}
 """Column of the table → that of the paper's rows.
 
-The paper does not say whether its MSE has the start in it: it stands beside both of ours.
+The paper does not say whether its MSE includes the start: it is compared with both of ours.
 """
 TRADEOFF = "tradeoff"
-_COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
+_COMPARABLE = 0.01  # an error is best only where the success rate is this near to the best
 _PAPER_TABLE = "paper_table1.csv"
 _QUALITY = (
     "Means over surviving robots; – where none survived. Success and velocity error do not show a "
@@ -91,7 +91,7 @@ def paper_rows() -> pd.DataFrame:
 def quality_tables(frame: pd.DataFrame) -> Iterator[Table]:
     """A table per controller, quantities down, commands across.
 
-    Errors of the estimate are left out of a controller that receives the true state.
+    Errors of the estimate are left out for a controller that receives the true state.
     """
     for label, mine in frame.groupby("label", sort=False):
         errors = [name for name in ERRORS if name in mine]
@@ -101,14 +101,14 @@ def quality_tables(frame: pd.DataFrame) -> Iterator[Table]:
 
 
 def comparisons(frame: pd.DataFrame) -> list[Table]:
-    """All metrics of rows as those of ``table1.csv``."""
+    """Tables of all metrics, from rows like those of ``table1.csv``."""
     return [compare(frame, name) for name in METRICS]
 
 
 def compare(frame: pd.DataFrame, name: str) -> Table:
     """One metric; measured controllers first, in the order of the rows.
 
-    The best of a line are marked, and all that look the same when printed, unless all are.
+    The best of a line and all that print alike are marked, unless that is the entire line.
     """
     printed = frame["source"] == PAPER
     theirs = frame[METRICS[name]] if METRICS[name] else np.nan
@@ -123,8 +123,8 @@ def compare(frame: pd.DataFrame, name: str) -> Table:
 
 
 def _marked(line: pd.DataFrame, name: str) -> list[str]:
-    """Errors are those of robots that survived: one is best only among controllers that hardly
-    lose more robots than any.
+    """Mark the best values. Errors are those of survivors: one is best only among controllers that
+    lose hardly more robots than the one that loses least.
     """
     share, success = QUANTITIES[name].share, line["success_rate"].fillna(0.0)
     fair = line["value"].notna() & (share | (success >= success.max() - _COMPARABLE))

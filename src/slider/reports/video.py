@@ -13,17 +13,17 @@ from slider.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
 
 FILM, POSTER, ABOUT = "video.mp4", "poster.jpg", "about.json"
-_POSTER_TIME = 2.0  # a robot in motion [s]
+_POSTER_TIME = 2.0  # the robot is in motion then [s]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Simulate one robot from rest, film it, and say how it went.
+    """Simulate one robot from rest, film it, and report the outcome.
 
     Raises:
         UserError: nothing can be rendered on this machine.
     """
-    # Before the first import of mujoco, which reads it. The page reads names of this module: it
-    # does not wait for what simulates.
+    # Set before the first import of mujoco, which reads it. Simulation is imported here: the page
+    # only needs names of this module.
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     from slider.env.disturbance import Disturbance
     from slider.env.rollout import Episode, mean_speed

@@ -46,7 +46,7 @@ def flexions(library: GaitLibrary) -> tuple[float, float]:
 
 
 def caption(library: GaitLibrary) -> str:
-    """What is printed, and how far it is off where the gaits of this library use it."""
+    """What is printed, and its errors over the flexions that the gaits of this library use."""
     knee = library.robot.virtual_knee
     if knee is None:
         return _NO_MAP
@@ -70,6 +70,6 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
         ``hip``, ``ankle`` [rad] and ``slide`` [m]; ``slide_rate`` [m/rad] per knee speed.
     """
     printed, exact = (knee_map.triangle(theta, l1, l2, name) for name in ("paper", "exact"))
-    hip, ankle = np.subtract(exact.shifts, printed.shifts)  # by which the joints are less
+    hip, ankle = np.subtract(exact.shifts, printed.shifts)  # the joints subtract the shifts
     slide, slide_rate = printed.length - exact.length, printed.rates[2] - exact.rates[2]
     return {"hip": hip, "ankle": ankle, "slide": slide, "slide_rate": slide_rate}

@@ -60,6 +60,6 @@ def draw(library: GaitLibrary) -> Figure:
 
 
 def _edges(axis: np.ndarray) -> np.ndarray:
-    """Of cells about sorted values (N,): half way between neighbours (N + 1,)."""
+    """Edges (N + 1,) of cells around sorted values (N,), halfway between neighbours."""
     half = np.diff(axis, append=axis[-1:] + (np.ptp(axis[-2:]) or 0.05)) / 2
     return np.concatenate([axis[:1] - half[:1], axis + half])

@@ -1,4 +1,4 @@
-"""One look for all figures, and their files, the same whenever the data are.
+"""Common style of all figures, and their files; equal data give equal files.
 
 Figures have no global state: draw on ``new_figure`` within ``style()``. Colours go from dark to
 light in even steps (viridis), so that a grey print keeps their order; lines also differ in dash.
@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 COLOURS = "viridis"
 DARK, MIDDLE, LIGHT = "#1b2a49", "#c8553d", "#9aa5b1"
 EMPTY = "#e9ecef"  # where there is no gait
-# Tell apart in print, by colour-blind readers, on light and on dark ground.
+# Distinguishable in print, for colour-blind readers, on light and dark backgrounds.
 _PALETTE = ("#2a6fc9", "#e8932c", "#2a9d74", "#b565b5", "#8b8f96", "#c4a000", "#d1495b")
 WIDTH = 7.2  # of all figures [inch]
-_DIGITS = 5  # of places, in shares of the figure
+_DIGITS = 5  # of positions, in shares of the figure
 
 _STYLE: dict[str, Any] = {
     "svg.hashsalt": "slider",  # else every file has its own random names
@@ -49,7 +49,7 @@ def style() -> AbstractContextManager[None]:
 
 
 def new_figure(height: float) -> Figure:
-    """Empty figure of the common width and a height [inch], laid out by constraints."""
+    """Empty figure of the common width and a height [inch], with constrained layout."""
     return Figure(figsize=(WIDTH, height), layout="constrained")
 
 
@@ -59,7 +59,7 @@ def colour(index: int) -> str:
 
 
 def legend_above(figure: Figure, *handles_and_names: Any) -> None:
-    """Legend above all panels, at most three names to a line: five would be wider than it."""
+    """Legend above all panels, at most three names to a line: five would be too wide."""
     figure.legend(*handles_and_names, loc="outside upper center", ncols=3)
 
 
@@ -77,7 +77,7 @@ def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
 
 
 def _round_layout(figure: Figure) -> None:
-    """The layout's solver leaves rounding errors that differ from run to run; files must not."""
+    """Round positions: the layout's solver has rounding errors that differ from run to run."""
     for axes in figure.axes:
         axes.set_position(np.round(axes.get_position(original=True).bounds, _DIGITS).tolist())
     for text in figure.texts:

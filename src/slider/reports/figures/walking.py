@@ -106,7 +106,7 @@ def draw_segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig)
     for axis, axes in enumerate(panels[:3]):
         command = traces[0][:, axis]
         axes.plot(time, command, color=DARK, linewidth=0.9, label="command")
-        # What a falling robot does beyond it is cut off.
+        # The motion of falling robots beyond it is cut off.
         low, high = float(command.min()), float(command.max())
         margin = 0.5 * max(high - low, 0.4)
         axes.set(ylabel=_LABELS[axis], ylim=(low - margin, high + margin))

@@ -1,7 +1,7 @@
 """The zero dynamics manifold and the impact surface, in knee and in slide coordinates.
 
 The paper's figure "Transformation of Zero Dynamic space", of a gait of the library. The walk is
-one domain: at touchdown the legs change their names and the sagittal plane reflects.
+one domain: at touchdown the legs are swapped and reflected at the sagittal plane.
 """
 
 from dataclasses import dataclass
@@ -37,8 +37,8 @@ class Portrait:
 
     Attributes:
         orbit: (3, N) the gait, from just after an impact to just before the next.
-        manifold: (3, R, N) states on the virtual constraints, Z: by the roll, over the phase. Where
-            the swing foot touches down within ``_TOUCHDOWNS``, the last is that state, of S ∩ Z.
+        manifold: (3, R, N) states on the virtual constraints, Z, by roll and phase. Where the swing
+            foot touches down within ``_TOUCHDOWNS``, the last state is the one then, on S ∩ Z.
         landed: (R,) where it does; elsewhere Z ends at the phase of the nearest roll that does.
         image: (3,) the gait just after the impact, Δ(S ∩ Z).
     """
@@ -53,7 +53,7 @@ def draw(library: GaitLibrary) -> Figure:
     """Virtual knee on the left, slide on the right; without a virtual knee the leg's own joint."""
     robot, gait = library.robot, _shown(library)
     figure = new_figure(3.4)
-    figure.set_layout_engine(None)  # which does not see the labels of three axes
+    figure.set_layout_engine(None)  # which ignores the labels of 3-D axes
     slides = robot.geometry.knee is None
     panels = [("right_slide", *(("prismatic joint", "m") if slides else ("knee", "rad")))]
     if robot.virtual_knee is not None:
@@ -97,7 +97,7 @@ def portrait(gait: Gait, joint: str) -> Portrait:
 
 
 def touchdown(gait: Gait, roll: np.ndarray) -> np.ndarray:
-    """Phase (R,) at which the swing foot comes down to the ground, by roll (R,) [rad]; or NaN."""
+    """Phase (R,) of touchdown of the swing foot at each roll (R,) [rad]; NaN without one."""
     phase = np.full(len(roll), np.nan)
     for index, angle in enumerate(roll):
         height = swing_height(gait, angle, _TOUCHDOWNS)

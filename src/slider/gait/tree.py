@@ -101,7 +101,7 @@ def edges_of(left: list[LegJoint], right: list[LegJoint]) -> list[Edge]:
         for k, (name, place, axis, slides) in enumerate(chain):
             child = f"{side}_{_LINKS[name]}"
             if side == STANCE:
-                ends = (0.0 - place, zero) if slides else (zero, place)  # a slide does not turn
+                ends = (0.0 - place, zero) if slides else (zero, place)  # a slide does not rotate
                 edges.insert(0, Edge(child, parent, k, 0.0 - axis, *ends, slides))
             else:
                 edges.append(Edge(parent, child, LEG_JOINTS + k, axis, place, zero, slides))

@@ -72,8 +72,8 @@ class PinRobot:
             parent = root
             for name, joint in zip(geometry.leg_joints, leg, strict=False):
                 place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
-                # In the mirror yaw and roll turn the other way about an axis whose y flips; the
-                # others turn the same way about one whose x and z do. A slide stays.
+                # In the mirror yaw and roll change sign, and y of their axes flips; other angles
+                # keep their sign, and x and z of their axes flip. A slide keeps its sign; y flips.
                 turns_back = name in _TURN_BACK or joint.kind is not _TURNS
                 flips = [1.0, sign, 1.0] if turns_back else [sign, 1.0, sign]
                 axis = joint.axis * flips

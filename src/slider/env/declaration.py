@@ -23,7 +23,7 @@ class Needs(Flag):
 
 @dataclass(frozen=True)
 class Term:
-    """A pure function, under whose name the configuration lists the term.
+    """A pure function; the configuration lists the term by the function's name.
 
     Attributes:
         function: maps a view or state and parameters to an array with a row per robot.
@@ -37,7 +37,7 @@ class Term:
     def parameters(self) -> dict[str, Any]:
         """Types of its parameters in order, with their units and bounds."""
         hints = list(inspect.get_annotations(self.function).items())
-        return dict(hints[1:-1])  # the first is the view's, the last that of the result
+        return dict(hints[1:-1])  # without view and result
 
 
 AnyTerm = TypeVar("AnyTerm", bound=Term)
@@ -58,7 +58,7 @@ def register(terms: dict[str, AnyTerm], term: AnyTerm) -> Function:
 
 
 def check_names(terms: Mapping[str, Term], names: Iterable[str], key: str) -> None:
-    """Refuse a name of no term with a ``UserError`` that names the key."""
+    """Raise a ``UserError`` that names the key if a name is not that of a term."""
     for name in names:
         if name not in terms:
             raise UserError(f"{key}: expected some of {', '.join(terms)}; found {name}")

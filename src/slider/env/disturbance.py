@@ -1,8 +1,8 @@
-"""What disturbs the robots of a batch: late drives, pushes, terrain, noisy sensors.
+"""Disturbances of a batch of robots: input delay, pushes, terrain, sensor noise.
 
-Random numbers are functions of a seed, a use and a time rather than of one generator: the
-disturbance of a robot at a time depends neither on the rate of its controller nor on which other
-disturbances are on.
+Random numbers are functions of a seed, a use and a time instead of draws from one generator: a
+robot's disturbance at a time depends neither on the rate of its controller nor on which other
+disturbances are enabled.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -29,7 +29,7 @@ from slider.robot.transmission import Transmission
 
 # Uses of random numbers.
 ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES, SCAN, SCAN_BIAS, DROP_OUT = range(10)
-NUMBERS = 2 * NUM_JOINTS + 10  # standard normal numbers per robot of with_noise
+NUMBERS = 2 * NUM_JOINTS + 10  # standard normal numbers per robot in with_noise
 _STREAM = 81  # keeps these generators apart from others of the same seed
 
 
@@ -49,7 +49,7 @@ class Disturbance:
 class SeededRandom:
     """Random numbers for ``count`` robots in blocks, each with its own seed.
 
-    They are arrays of NumPy, or tensors on the device of ``like``: each library has its own.
+    They are NumPy arrays, or tensors on the device of ``like``; the two have different values.
     """
 
     def __init__(self, seeds: tuple[int, ...], count: int, like: Array = NUMPY) -> None:
@@ -66,7 +66,7 @@ class SeededRandom:
         return self._draw(use, time, columns, "standard_normal", "randn")
 
     def _draw(self, use: int, time: int, columns: int, of_numpy: str, of_torch: str) -> Array:
-        """By a method of NumPy's generators, or a function of torch."""
+        """Draw with a method of NumPy's generators, or with a function of torch."""
         shape, like, xp = (self._block, columns), self._like, namespace(self._like)
         if isinstance(like, np.ndarray):
             return xp.concat([getattr(g, of_numpy)(size=shape) for g in self.generators(use, time)])
@@ -78,7 +78,7 @@ class SeededRandom:
         return xp.concat(blocks)
 
     def generators(self, use: int, time: int) -> list[np.random.Generator]:
-        """One generator of NumPy per seed."""
+        """One NumPy generator per seed."""
         return [np.random.default_rng(key) for key in self._keys(use, time)]
 
     def _keys(self, use: int, time: int) -> list[list[int]]:
@@ -101,10 +101,10 @@ def has_terrain(config: DisturbanceConfig) -> bool:
 
 
 class DisturbanceModel:
-    """Late drives, pushes, terrain and noisy sensors of N robots, which may differ.
+    """Input delay, pushes, terrain and sensor noise of N robots, which may differ.
 
-    All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
-    Where robots differ from the nominal ``model``, ``write`` writes fields of theirs.
+    Arrays have the type and device of ``like``; with tensors the ground must be flat. For robots
+    that differ from the nominal ``model``, ``write`` writes the varied fields of their models.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class DisturbanceModel:
 
     @property
     def motor_gain(self) -> Array:
-        """Factors (N or 1, 1, motors) of the motors' torques [-]."""
+        """Factors (N or 1, 1, motors) on the motors' torques [-]."""
         if self._robots is None:
             return zeros((1, 1, len(self._to_motors[0])), self._like) + 1.0
         return self._robots.motor_gain[:, None]
@@ -147,7 +147,7 @@ class DisturbanceModel:
         self._force = zeros((self._count, 2), self._like)
 
     def begin(self, index: Array, qpos: Array) -> Array:
-        """Draw robots ``index`` again; return their positions (n, 19) on the ground."""
+        """Draw new disturbances of robots ``index``; return positions (n, 19) on their ground."""
         uniform = self._draws.uniform(ROBOT, self._episodes, self._columns)
         self._age[index], self._force[index] = 0.0, 0.0
         if self._robots is not None:
@@ -158,7 +158,7 @@ class DisturbanceModel:
         self._episodes += 1
         if self._delay is not None:
             self._delay.draw(index, uniform[index, randomization.DELAY])
-            # Until the first input arrives the motors hold the pose, or are without torque.
+            # Until the first input arrives, the motors hold the pose or have no torque.
             held = qpos[:, 7:] @ self._to_motors
             self._delay.fill(index, 0.0 * held if self._torque else held)
         return qpos
@@ -183,7 +183,7 @@ class DisturbanceModel:
         return self._force
 
     def drive(self, control: Array) -> Array:
-        """Inputs that reach the drives in S simulation steps, of inputs (N, S, 10)."""
+        """Inputs that reach the drives in S simulation steps, from commanded ones (N, S, 10)."""
         self._steps += control.shape[1]
         self._age += control.shape[1]
         if self._delay is not None:
@@ -201,9 +201,9 @@ class DisturbanceModel:
 
 
 class DelayLine:
-    """Inputs of N robots, each later by its own whole number of simulation steps.
+    """Delays the inputs of N robots, each by its own integer number of simulation steps.
 
-    Arrays are those of ``like``.
+    Arrays have the type and device of ``like``.
 
     Attributes:
         steps: delays (N,) in simulation steps.
@@ -218,16 +218,16 @@ class DelayLine:
         self._past = zeros((count, self._upper, width), like)
 
     def draw(self, index: Array, uniform: Array) -> None:
-        """New delays of robots ``index`` by numbers (n,) in [0, 1)."""
+        """Draw new delays of robots ``index`` from uniform numbers (n,) in [0, 1)."""
         later = (self._upper - self._lower + 1) * uniform
         self.steps[index] = self._lower + namespace(later).asarray(later, dtype=self._integer)
 
     def fill(self, index: Array, inputs: Array) -> None:
-        """Set the inputs (n, width) of robots ``index`` before their first one arrives."""
+        """Set the inputs (n, width) that robots ``index`` get until their first one arrives."""
         self._past[index] = inputs[:, None]
 
     def pass_on(self, control: Array) -> Array:
-        """Delayed inputs (N, S, width) of inputs (N, S, width), one per simulation step."""
+        """Delay inputs (N, S, width), one per simulation step."""
         xp, count = namespace(control), control.shape[1]
         line = xp.concat([self._past, control], axis=1)
         self._past[...] = line[:, count:]
@@ -237,13 +237,13 @@ class DelayLine:
 
 
 def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> RobotState:
-    """The state with noise of standard normal numbers (N, 34).
+    """The state with sensor noise, from standard normal numbers (N, 34).
 
-    Terminations and metrics use the true state. So do rewards, but for the low-passed velocity and
-    the heading error, which are the agent's own.
+    Terminations and metrics use the true state. So do rewards, except for the filtered velocity and
+    the heading error, which the agent computes from the measured state.
 
-    The orientation is turned about the base's axes, and everything that follows from it as well.
-    The horizontal place of the base, feet and contacts are as they are.
+    The orientation is perturbed about the base's axes, and all that is derived from it accordingly.
+    Horizontal position of the base, feet and contacts are exact.
     """
     xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
     positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]

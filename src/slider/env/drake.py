@@ -1,8 +1,8 @@
-"""Drake: the physics of another engine, behind the methods of ``BatchedPhysics``.
+"""Drake as a second physics engine, with the interface of ``BatchedPhysics``.
 
-Drake has the motion, the contact forces and the position loops, which it computes once per own
-step. MuJoCo's kinematics turn each state into what its sensors would read, so that controllers,
-estimator, terminations and metrics are the same code for both engines.
+Drake computes the motion, the contact forces and, once per Drake step, the position loops. MuJoCo's
+kinematics turn each state into the readings of its sensors, so that controllers, estimator,
+terminations and metrics are the same code for both engines.
 """
 
 # mujoco has no type stubs for its compiled part; drake is optional.
@@ -72,7 +72,7 @@ class DrakeRobot:
         return self._torques.Eval(self._drives)
 
     def advance(self, inputs: np.ndarray, steps: int) -> np.ndarray:
-        """Simulate steps with constant inputs (10,); mean torques (10,) [N m] of start and end.
+        """Simulate steps with constant inputs (10,); return mean start-end torques (10,) [N m].
 
         Raises:
             RuntimeError: Drake's solver does not converge.
@@ -97,7 +97,7 @@ class DrakeRobot:
 class DrakePhysics(BatchedPhysics):
     """Steps ``num_robots`` nominal robots on flat ground, one after the other.
 
-    ``drake`` are ``timestep`` [s], a divisor of MuJoCo's, and ``contact``. Other arguments are
+    ``drake`` has ``timestep`` [s], which divides MuJoCo's, and ``contact``. Other arguments are
     those of ``BatchedPhysics``.
 
     Raises:
@@ -124,7 +124,7 @@ class DrakePhysics(BatchedPhysics):
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps of MuJoCo's length.
 
-        The torques are means over a step, the foot forces those of Drake's last one in it.
+        Torques are means over a step; foot forces are those of the last Drake step in it.
         """
         states = np.repeat(self.state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
@@ -133,7 +133,7 @@ class DrakePhysics(BatchedPhysics):
             for step, inputs in enumerate(control[index]):
                 try:
                     torques = self._robot.advance(inputs, self._ratio)
-                except RuntimeError:  # as a blown-up simulation of MuJoCo's
+                except RuntimeError:  # handled like a diverged MuJoCo simulation
                     states[index, step:] = np.nan
                     self._robot = self._build()
                     break
@@ -143,7 +143,7 @@ class DrakePhysics(BatchedPhysics):
         return states, sensors
 
     def _sense(self, state: np.ndarray, torques: np.ndarray) -> np.ndarray:
-        """MuJoCo's sensors by its kinematics, with Drake's torques and foot forces."""
+        """Readings of MuJoCo's sensors in a state, with Drake's torques and foot forces."""
         data, index = self._data[0], self._index
         data.qpos[:], data.qvel[:] = state[1 : 1 + self.model.nq], state[1 + self.model.nq :]
         mujoco.mj_forward(self.model, data)

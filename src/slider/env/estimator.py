@@ -1,13 +1,13 @@
-"""Onboard state estimate: position and velocity of the base from legs and inertial unit.
+"""Onboard state estimate: position and velocity of the base from leg odometry and the IMU.
 
-The inertial unit gives orientation, angular velocity and the velocity increment of its strapdown
-integration; encoders give joint positions and velocities; motor currents give torques. A Kalman
+The IMU measures orientation, angular velocity and the velocity increment of its strapdown
+integration; encoders measure joint positions and velocities; motor currents give torques. A Kalman
 filter with one variance for the three components predicts the base's velocity from the increment
-and corrects it, and the increment's bias, by leg odometry: the point of a loaded foot that touches
-the ground rests. After Bloesch et al., "State estimation for legged robots: consistent fusion of
-leg kinematics and IMU" (RSS 2012), with the orientation left to the inertial unit. The force of a
-foot is that of a momentum observer along the leg (De Luca et al., IROS 2006): of the slide, or of
-what the joints do to the leg's length (virtual work).
+and corrects it, and the increment's bias, by leg odometry: the contact point of a loaded foot is
+at rest. After Bloesch et al., "State estimation for legged robots: consistent fusion of leg
+kinematics and IMU" (RSS 2012), with the orientation left to the IMU. A momentum observer along the
+leg (De Luca et al., IROS 2006) estimates the force of a foot: from the force of the slide, or from
+that of the joints along the leg's length (virtual work).
 """
 
 from typing import NamedTuple
@@ -32,10 +32,10 @@ class Estimate(NamedTuple):
 
     Attributes:
         velocity: of the base origin (N, 3) [m/s].
-        position: of the base origin (N, 3) [m]: where it went from the start, height above the
-            loaded feet.
-        foot_forces: vertical ground reactions (N, 2) [N]; 0 of a foot in the air.
-        feet: relative to the base.
+        position: of the base origin (N, 3) [m]: integrated from the start horizontally, height
+            above the loaded feet.
+        foot_forces: vertical ground reactions (N, 2) [N]; 0 for a foot in the air.
+        feet: motion of the feet relative to the base.
     """
 
     velocity: Array
@@ -45,13 +45,13 @@ class Estimate(NamedTuple):
 
 
 class Leg(NamedTuple):
-    """Constants of the force of a foot.
+    """Constants of a leg, for the estimate of its foot's force.
 
     Attributes:
         weight: of the robot [N].
         mass: of what moves with a slide, or below a knee [kg].
         moment: of this mass about the hip, with all joints at 0 [kg m].
-        reflected_mass: of rotors and joint on the leg's length [kg].
+        reflected_mass: inertia of rotors and joints reflected to the leg's length [kg].
         damping: of the leg's length [N s/m].
     """
 
@@ -63,7 +63,7 @@ class Leg(NamedTuple):
 
     @classmethod
     def of(cls, robot: RobotConfig) -> "Leg":
-        """The nominal robot's."""
+        """Constants of the nominal robot."""
         bodies, geometry = own_bodies(robot), robot.geometry
         tube, below = bodies["tube"], [bodies[n] for n in ("foot", "sole") if n in bodies]
         depth = -tube.com[2] - (geometry.knee or (0.0, 0.0, 0.0))[2]
@@ -81,7 +81,7 @@ class Leg(NamedTuple):
 
 
 class StateEstimator:
-    """Kalman filter of N nominal robots; arrays are those of ``like``."""
+    """Kalman filter of N nominal robots; arrays have the type and device of ``like``."""
 
     def __init__(
         self, config: EstimatorConfig, robot: RobotConfig, count: int, like: Array
@@ -98,7 +98,7 @@ class StateEstimator:
         self.fresh = zeros(count, like) == 0
 
     def reset(self, index: Array, place: Array) -> None:
-        """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
+        """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot initialises the rest."""
         for values in (self.velocity, self.bias, self.variance, self.forces, self.rates):
             values[index] = 0.0
         self.fresh[index] = True
@@ -131,8 +131,8 @@ class StateEstimator:
         specific = xp.einsum("nij,nj,nli->nl", rotation, increment, feet.axes)
         forces = self._foot_forces(specific, feet, elapsed, along)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
-        # A foot of certainty c has the variance of leg odometry over c².
-        # It follows from the foot's force, at first from its height.
+        # A foot of certainty c has the variance of leg odometry divided by c².
+        # The certainty follows from the foot's force, after a reset from its height.
         low, high = config.lifted, config.loaded
         loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
         lower = leg_heights >= xp.amax(leg_heights, 1)[:, None]
@@ -165,10 +165,10 @@ class StateEstimator:
     def _foot_forces(
         self, specific: Array, feet: FootMotion, elapsed: Array, along: tuple[Array, Array, Array]
     ) -> Array:
-        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each leg.
+        """Vertical ground reactions (N, 2) [N] from the momentum of tube and rotors along each leg.
 
         ``specific`` (N, 2) [m/s] are the increments along the legs. The angular acceleration of
-        the leg, and forces across it, are left out.
+        the leg, and forces perpendicular to it, are neglected.
         """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
         force, rates, longer = along
@@ -194,7 +194,7 @@ class StateEstimator:
 
 
 def _odometry(feet: FootMotion) -> tuple[Array, Array]:
-    """Velocity (N, 2, 3) and height (N, 2) of the base if a foot rests at its lower end."""
+    """Velocity (N, 2, 3) and height (N, 2) of the base if a foot's lower end is at rest."""
     xp, heights = namespace(feet.positions), feet.positions[..., 2]
     toe = 1.0 / (1.0 + xp.exp((heights[..., 1] - heights[..., 0]) / _END_SCALE))
     ends = xp.stack([1.0 - toe, toe], axis=-1)

@@ -23,7 +23,7 @@ _ACTIVE = np.setdiff1d(np.arange(NUM_CHANNELS), [*LAST_JOINTS, *np.add(LAST_JOIN
 def joint_weights(geometry: Geometry) -> np.ndarray:
     """Weights (12,) of squared deviations from the guide [1/rad² or 1/m²].
 
-    A slide's metre counts like several radians. Passive joints have none.
+    A slide's metre counts as several radians. Passive joints have weight 0.
     """
     knee = {} if geometry.knee is None else {"slide": _KNEE_WEIGHT}
     weights = [(_WEIGHTS | knee).get(name, 0.0) for name in geometry.leg_joints]
@@ -37,7 +37,7 @@ def observed_channels(view: View) -> Array:
 
 
 class Guide:
-    """Reference samples for N robots; ``weights`` (12,) are of joints' squared errors.
+    """Reference samples for N robots; ``weights`` (12,) multiply squared joint errors.
 
     The gait in use follows the reference velocity: ``interpolated`` between those of the library,
     or the ``nearest`` of them. Within it the sample follows the clock (``at_phase``) or the state
@@ -74,8 +74,8 @@ class Guide:
     def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
-        Where the clock is halted: standing on both feet, at rest. On uneven ground the legs fit to
-        the ground under their feet (:func:`slider.env.height_field.adapt_to_terrain`).
+        Where the clock is halted: standing on both feet, at rest. On uneven ground the legs are
+        adapted (:func:`slider.env.height_field.adapt_to_terrain`).
         """
         command = view.gait_velocity
         if self._nearest:
@@ -95,11 +95,11 @@ class Guide:
         return (away**2).sum(dim=2).argmin(dim=1)
 
     def turn(self, view: View) -> Array:
-        """Joints (N, 12) [rad] for the part of a commanded yaw rate that the gait lacks.
+        """Joint offsets (N, 12) [rad] for the part of a commanded yaw rate that the gait lacks.
 
-        A library of gaits that turn has the yaw rate, or a part of it, in the gait itself. The
-        stance foot stays while the base turns over it, so that the stance hip's yaw goes from
-        +ψ̇ T/2 to −ψ̇ T/2 in a step of duration T; the swing leg goes back for the next step.
+        In a library with turning gaits, the gait itself has all or part of the yaw rate. The
+        base turns over the stance foot, so that the stance hip's yaw goes from +ψ̇ T/2 to −ψ̇ T/2
+        in a step of duration T; the swing leg moves back for the next step.
         """
         command, times = view.gait_velocity, self._table.times
         progress = (2.0 * view.phase) % 1.0
@@ -115,7 +115,7 @@ class Guide:
     def states(self, command: Array, phase: Array) -> tuple[Array, Array]:
         """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18).
 
-        They are interpolated at the commanded velocity, also where the nearest gait guides.
+        They are interpolated at the commanded velocity, even if the guide is the nearest gait.
         """
         reference = self._table.at(command, phase)
         joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]
@@ -124,14 +124,14 @@ class Guide:
         return qpos, torch.cat([base[:, 7:13], joints[:, NUM_JOINTS:]], dim=1)
 
     def course(self, command: Array, phase: Array) -> Array:
-        """Heading (n,) [rad] of the walks of :meth:`states`; their bases' yaw swings about it."""
+        """Heading (n,) [rad] of the walks of :meth:`states`, about which the yaw oscillates."""
         times = self._table.times
         return times.inside(command)[:, 2] * times.at(command) * (2.0 * phase - 0.5)
 
     def nearest_distance(self, view: View, masked: bool) -> Array:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).
 
-        ``masked`` leaves the passive channels out.
+        ``masked`` omits the passive channels.
         """
         command = view.gait_velocity
         if self._nearest:

@@ -14,12 +14,12 @@ from slider.robot.kinematics import extend_leg, turn_to_heading
 
 DEPTH = 0.5  # of a gap [m]
 CELL = 0.25  # edge of a tile [m]
-TILES = 64  # after so many tiles their heights repeat
-_FADE = 0.3  # from its level start to its full height rough ground has this [m]
+TILES = 64  # number of tiles after which their heights repeat
+_FADE = 0.3  # rough ground is level up to this distance from its origin, full from twice that [m]
 # Wave vectors [rad/m] of rough ground; their amplitudes add up to 1.
 _WAVES = 2 * math.pi * np.array([[0.8, 0.15], [-0.3, 0.7], [0.6, -0.9], [1.1, 0.6]])
 _SHARES = np.array([0.4, 0.3, 0.2, 0.1])
-_WHOLE = ("table", "flat")  # of all robots
+_WHOLE = ("table", "flat")  # shared by all robots
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class FlatGround:
         return zeros(points.shape, points)
 
     def of(self, robots: Array) -> "FlatGround":
-        """The same."""
+        """Itself: the same under all robots."""
         return self
 
 
@@ -46,20 +46,20 @@ FLAT = FlatGround()
 
 @dataclass(frozen=True)
 class UnevenGround:
-    """Grounds of N robots: a plane, bars across the way, square tiles and waves, added up.
+    """Grounds of N robots: the sum of a plane, bars across the x axis, square tiles and waves.
 
-    The world's x axis is the way. Bars are steps, stairs or boards: bar j of n has its top at j
-    times the rise, from start + (j − 1) tread + gap to start + j tread. The first and the last go
-    on without end; between them are gaps.
+    Robots walk along the world's x axis. Bars are steps, stairs or boards: the top of bar j of n is
+    at j times the rise, from start + (j − 1) tread + gap to start + j tread. The first and the last
+    bar are infinitely long; between bars are gaps.
 
     Attributes:
         slope: (N, 2) rise over run along x and y.
         rise, tread, gap, start: (N,) of the bars [m].
-        bars: (N,) number of bars beside the first; 0: none.
+        bars: (N,) number of bars besides the first; 0: none.
         tiles: (N,) amplitude of the tiles' heights [m].
         waves: (N,) amplitude of the waves [m].
-        place: (N, 2) where on the table of tiles, in the waves [m], the robot's origin is.
-        table: (64, 64) of tiles, uniform in [-1, 1].
+        place: (N, 2) position of the robot's origin in the table of tiles and in the waves [m].
+        table: (64, 64) heights of tiles, uniform in [-1, 1].
     """
 
     slope: Array
@@ -77,7 +77,7 @@ class UnevenGround:
     def height(self, points: Array, gaps: bool = True) -> Array:
         """Heights (N, ...) [m] at points (N, ..., 2) of the world [m].
 
-        Without ``gaps`` the ground goes on level over them, where a foot should not be.
+        Without ``gaps`` the ground continues level across them, where no foot should step.
         """
         plane = (self._wide(self.slope, points) * points).sum(-1)
         depth = DEPTH if gaps else 0.0
@@ -85,7 +85,7 @@ class UnevenGround:
         return plane + self._bar(points, depth) + tiles + self._field(points)[0]
 
     def gradient(self, points: Array) -> Array:
-        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
+        """Rise over run (N, ..., 2) at points (N, ..., 2), ignoring vertical faces."""
         return self._wide(self.slope, points) + self._field(points)[1]
 
     def of(self, robots: Array) -> "UnevenGround":
@@ -94,7 +94,7 @@ class UnevenGround:
         return UnevenGround(**rows, table=self.table)
 
     def _wide(self, values: Array, points: Array) -> Array:
-        """Values (N, ...) of the robots with as many dimensions as their points (N, ..., 2)."""
+        """Values (N, ...) of the robots, reshaped to broadcast over their points (N, ..., 2)."""
         return values.reshape(len(values), *(1,) * (points.ndim - 2), *values.shape[1:])
 
     def _bar(self, points: Array, depth: float) -> Array:
@@ -107,7 +107,7 @@ class UnevenGround:
         return rise * number - depth * hole
 
     def tile(self, cells: Array) -> Array:
-        """Heights (N, ...) [m] of tiles by their numbers (N, ..., 2); nine about the origin: 0."""
+        """Heights (N, ...) [m] of tiles by index (N, ..., 2); the nine around the origin: 0."""
         xp = namespace(cells)
         place = xp.floor(self._wide(self.place, cells) / CELL)
         index = xp.asarray(cells + place, dtype=xp.int64) % TILES
@@ -138,12 +138,12 @@ class ScannedGround:
     Attributes:
         ground: under the robots.
         centre: (N, 2) estimated position of the base [m].
-        place: (N, 2) what of the ground the sensor takes for that [m].
-        turn: (N,) heading of the sensor over the estimated one [rad].
-        lift: (N,) added to heights: estimated over true height of the base, and the bias [m].
-        level: (N,) height that points without a reading have [m].
+        place: (N, 2) point of the ground that the sensor reads at ``centre`` [m].
+        turn: (N,) true minus estimated heading [rad].
+        lift: (N,) added to heights: estimated minus true height of the base, plus the bias [m].
+        level: (N,) height returned at points without a reading [m].
         noise, drop_out: standard deviation [m], share of points without a reading.
-        normal, uniform: random numbers (N, columns) of this reading, by the number of columns.
+        normal, uniform: return random numbers (N, columns) of this reading, given the columns.
     """
 
     ground: Ground
@@ -171,15 +171,15 @@ class ScannedGround:
 def adapt_to_terrain(
     ground: Ground, feet: Array, yaw: Array, geometry: Geometry, joints: Array
 ) -> Array:
-    """Change of joint positions (N, 12) by which legs made for level ground fit to the ground.
+    """Change of joint positions (N, 12) that adapts a pose for level ground to this ground.
 
-    A leg is shorter by as much as the ground under its foot is higher than the mean under both, an
+    A leg is shortened by the height of the ground under its foot above the mean under both feet; an
     ankle is turned by the slope along the heading.
 
     Args:
-        ground, geometry: under the robots; of the legs.
+        ground, geometry: ground under the robots; geometry of the legs.
         feet, yaw: middles of the feet (N, 2, 2) [m] and headings (N,) [rad].
-        joints: positions (N, 12) about which the change is.
+        joints: positions (N, 12) to be changed.
     """
     heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)
     mean, gradient = heights.mean(-1), ground.gradient(feet)

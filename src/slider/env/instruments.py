@@ -1,6 +1,6 @@
 """Contacts, distance of the legs and loads of the motors at every simulation step, for metrics.
 
-Touchdowns and the motors' peaks fall between control steps.
+Touchdowns and peaks of the motors' loads occur between control steps, too.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ import numpy as np
 from slider.env.height_field import Ground
 from slider.robot.transmission import Transmission
 
-CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
+CONTACT_FORCE = 5.0  # a foot that carries more than this is in contact [N]
 # Gaps and contacts shorter than these are bounces [s].
 LIFT_TIME = 0.03  # a foot that loses contact for less has not been lifted
 TOUCH_TIME = 0.02  # a contact that lasts less is a graze
@@ -25,9 +25,9 @@ class Contacts(NamedTuple):
         loaded: (T, N, 2, 2) the foot carries more than ``CONTACT_FORCE`` and this end touches: it
             is the lower one (uneven ground may carry a foot between its ends), or it has sunk in.
         speeds: (T, N, 2, 2) horizontal speed of the lowest point of each end [m/s].
-        depths: (T, N, 2) of each foot's lower end in the ground [m]; negative: above it.
-        leg_distance: (T, N) of the closest parts of the two legs [m]; negative: they press on
-            each other.
+        depths: (T, N, 2) penetration of each foot's lower end [m]; negative: above the ground.
+        leg_distance: (T, N) between the closest parts of the two legs [m]; negative: they press
+            on each other.
     """
 
     forces: np.ndarray
@@ -44,13 +44,13 @@ def observe(
     distances: np.ndarray,
     ground: Ground,
 ) -> Contacts:
-    """Contacts of N robots by their sensors over T simulation steps.
+    """Contacts of N robots from their sensors over T simulation steps.
 
     Args:
         forces: of the feet (N, T, 2) [N].
         ends, velocities: lowest points of heel and toe [m] in the ground's world, and velocities of
             the foot there [m/s], (N, T, 2, 2, 3).
-        distances: of pairs of parts of the two legs (N, T, pairs) [m].
+        distances: between pairs of parts of the two legs (N, T, pairs) [m].
         ground: below the robots.
     """
     # MuJoCo's contacts begin at a height of 0, and a foot that carries weight sinks in.
@@ -69,15 +69,15 @@ def observe(
 
 
 def join(parts: Sequence[Contacts]) -> Contacts:
-    """Concatenate the contacts of stretches of time."""
+    """Concatenate contacts in time."""
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
-    """Feet on the ground (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
+    """Feet on the ground (T, N, 2), from forces (T, N, 2) [N] every ``timestep`` [s].
 
-    Bounces are left out: neither gaps of less than ``LIFT_TIME`` count nor, after that, contacts of
-    less than ``TOUCH_TIME``.
+    Bounces are removed: first gaps shorter than ``LIFT_TIME``, then contacts shorter than
+    ``TOUCH_TIME``.
     """
     contact = _without_gaps(forces > CONTACT_FORCE, LIFT_TIME / timestep)
     return ~_without_gaps(~contact, TOUCH_TIME / timestep)
@@ -86,7 +86,7 @@ def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
 def landings(contact: np.ndarray) -> np.ndarray:
     """Touchdowns (T, N, 2): feet in ``contact`` (T, N, 2) that were not one step before.
 
-    A foot that is down at first has no touchdown.
+    A foot in contact at the first step has no touchdown there.
     """
     touchdown = contact.copy()
     touchdown[1:] &= ~contact[:-1]
@@ -95,7 +95,7 @@ def landings(contact: np.ndarray) -> np.ndarray:
 
 
 def _without_gaps(flags: np.ndarray, length: float) -> np.ndarray:
-    """Flags (T, ...), also set where fewer than ``length`` unset ones lie between set ones."""
+    """Flags (T, ...) with gaps of fewer than ``length`` unset ones between set ones filled."""
     count = len(flags)
     index = np.arange(count, dtype=np.int32).reshape((-1,) + (1,) * (flags.ndim - 1))
     last = np.maximum.accumulate(np.where(flags, index, -count), axis=0)
@@ -107,7 +107,7 @@ class DriveLoads(NamedTuple):
     """Loads of N robots over some simulation steps.
 
     Attributes:
-        power: (N,) mechanical power, absolute values of the motors added, mean over the steps [W].
+        power: (N,) sum of the motors' absolute mechanical powers, mean over the steps [W].
         effort_share: (N,) largest torque of a motor as a share of its limit [-].
         speed_share: (N,) largest speed of a motor as a share of its no-load speed [-]; beyond 1,
             where the leg drives the motor, it can only brake.
@@ -123,9 +123,9 @@ def acting_torques(
 ) -> np.ndarray:
     """Motor torques (N, T, 10) [N m] that act during T simulation steps.
 
-    MuJoCo's sensors have the torque at the start of a step. Its implicit integrator lets that
-    torque fall by its slope with the speed over the step: the position loop's damping, the
-    torque-speed line where the voltage is at its limit, nothing where the torque is.
+    MuJoCo's sensors read the torque at the start of a step. Its implicit integrator subtracts the
+    change of speed times a slope: the position loop's damping, the slope of the torque-speed line
+    at the voltage limit, or zero at the torque limit.
 
     Args:
         motors: of the robots; torques are (N, 1, 10) where robots differ.
@@ -141,9 +141,9 @@ def acting_torques(
 
 
 def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> DriveLoads:
-    """Loads by motor torques that act (N, T, 10) [N m] and speeds after the steps [rad/s].
+    """Loads from acting motor torques (N, T, 10) [N m] and speeds after the steps [rad/s].
 
-    A motor turns in a step by its speed after it: MuJoCo integrates positions so.
+    The power is that at the speed after a step, with which MuJoCo integrates positions.
     """
     torque, speed = np.abs(torques), np.abs(speeds)
     return DriveLoads(
@@ -154,6 +154,6 @@ def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> Driv
 
 
 def over(loads: Sequence[DriveLoads]) -> DriveLoads:
-    """Mean power and peaks of equally long stretches of time."""
+    """Mean power and peaks over intervals of equal length."""
     power, effort, speed = (np.stack(column) for column in zip(*loads, strict=True))
     return DriveLoads(power.mean(axis=0), effort.max(axis=0), speed.max(axis=0))

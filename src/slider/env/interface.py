@@ -1,6 +1,6 @@
 """The agent's side of the robot: from state to observation, from action to the plant's inputs.
 
-Training and evaluation use this same object, so that observations agree. All arrays are tensors.
+Training and evaluation use the same class, so that observations agree. All arrays are tensors.
 """
 
 import math
@@ -20,15 +20,15 @@ from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import MIRROR_PERMUTATION, NUM_JOINTS, SIDES, mirror_sign
 from slider.robot.transmission import Transmission
 
-FLOAT64 = torch.zeros(0, dtype=torch.float64)  # the processor's precision
+FLOAT64 = torch.zeros(0, dtype=torch.float64)  # precision on the CPU
 _PERMUTATION = np.array(MIRROR_PERMUTATION)
 
 
 class AgentInterface:
     """Observations, actions, clock and heading target of N robots.
 
-    ``times`` are for the clock, if there is one, ``reference`` is for actions about the gait. All
-    is computed in the precision, and on the device, of ``like``.
+    ``times`` are for the clock, if there is one; ``reference`` has the gaits for actions that are
+    offsets from a gait. Tensors have the precision and the device of ``like``.
 
     Raises:
         UserError: the configuration needs step times or gaits that are not given.
@@ -80,13 +80,13 @@ class AgentInterface:
         velocity: torch.Tensor | float = 0.0,
         heading: torch.Tensor | None = None,
     ) -> None:
-        """Forget the past of robots ``index``.
+        """Reset the history of robots ``index``.
 
         Args:
-            index, state: robots to reset; of all robots, after that.
-            phase: start of the clock, (n,) or one for all.
-            velocity: start of reference and filters (n, 2) [m/s], or one value for all.
-            heading: target (n,) [rad]; the present yaw if not given.
+            index, state: robots to reset; state of all robots at their new start.
+            phase: initial phase of the clock, (n,) or one for all.
+            velocity: initial reference and filtered velocity (n, 2) [m/s], or one value for all.
+            heading: target (n,) [rad]; the current yaw if not given.
         """
         for values in (self.action, self.previous_action):
             values[index] = 0.0
@@ -119,7 +119,7 @@ class AgentInterface:
         return (origin + self._scale * self.action).clip(self._lower, self._upper)
 
     def advance(self, state: RobotState) -> None:
-        """Move clock, heading target, reference and velocity filters on by one control period."""
+        """Advance clock, heading target, reference and velocity filters by one control period."""
         period = self._config.control_period
         if self.clock is not None:
             velocities = self.filtered_velocity, state.heading_velocity

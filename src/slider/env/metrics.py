@@ -1,6 +1,6 @@
-"""Numbers about one recorded rollout, columns per robot (N,): tracking and quality of the gait.
+"""Metrics of one recorded rollout, as columns (N,) over robots: tracking and gait quality.
 
-All are NaN where a robot fell.
+All except ``survived`` and ``tracked`` are NaN where a robot fell.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ QUALITY = (
     *("cost_of_transport", "peak_effort", "peak_speed", "leg_distance", "legs_touch", "legs_cross"),
 )
 Columns = dict[str, np.ndarray]
-"""Values (N,) by the names of quantities."""
+"""Values (N,) by the name of a metric."""
 
 
 def tracking(recording: Recording, warm_up: float, tolerance: float, relative: float) -> Columns:
@@ -27,8 +27,8 @@ def tracking(recording: Recording, warm_up: float, tolerance: float, relative: f
     ``survived``: no termination; ``squared_error``: mean over all control steps of (forward
     velocity − command)² [m²/s²]; ``squared_error_steady``: the same from ``warm_up`` on;
     ``mean_velocity``: forward, from ``warm_up`` on [m/s]; ``tracked``: survived and
-    |mean v − command| ≤ max(tolerance, relative·|command|). The command is the forward one; where
-    it changes, its mean from ``warm_up`` on counts.
+    |mean v − command| ≤ max(tolerance, relative·|command|). The command is the forward one; if
+    it changes, ``tracked`` uses its mean from ``warm_up`` on.
     """
     first = round(warm_up / recording.period)
     survived = recording.survived
@@ -59,16 +59,16 @@ def estimate_error(recording: Recording, warm_up: float) -> Columns:
 
 
 def gait_quality(recording: Recording, warm_up: float) -> Columns:
-    """How robots walk from ``warm_up`` on, ``QUALITY``.
+    """Gait quality from ``warm_up`` on, ``QUALITY``.
 
-    Contacts count at every simulation step, motion at every control step.
+    Contacts are evaluated at every simulation step, motion at every control step.
 
     Returns:
-        flight: share of time with no foot on the ground, bounces left out; see
+        flight: share of time with no foot on the ground, bounces removed; see
             :func:`slider.env.instruments.in_contact`.
         double_support: share of time with both feet on the ground, likewise.
         touchdown_rate: touchdowns per second, both feet, likewise.
-        contact_rate: contacts that begin per second, both feet, bounces counted.
+        contact_rate: onsets of contact per second, both feet, bounces included.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down
             together follow none.
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
@@ -77,19 +77,19 @@ def gait_quality(recording: Recording, warm_up: float) -> Columns:
         penetration: mean depth of a foot's lower end in the ground while the foot carries more than
             ``CONTACT_FORCE`` [m].
         penetration_max: the greatest such depth [m].
-        heading: largest |yaw − commanded yaw| [rad] of the whole rollout; what is commanded is the
-            yaw at the start and the integral of the commanded yaw rate.
+        heading: largest |yaw − commanded yaw| [rad] of the entire rollout; the commanded yaw is the
+            initial yaw plus the integral of the commanded yaw rate.
         asymmetry: |mean time from a left to the next right touchdown − from right to left| over
             their sum, where a foot that touches down several times in a row counts with the first;
             1 where the feet do not alternate.
-        velocity_variance: of the forward velocity about its mean [m²/s²].
-        cost_of_transport: mean absolute power of the motors over m g and the mean speed [-].
+        velocity_variance: variance of the forward velocity [m²/s²].
+        cost_of_transport: mean absolute power of the motors / (m g · |mean forward velocity|) [-].
         peak_effort, peak_speed: largest share of a motor's limit [-].
-        leg_distance: least distance of the closest parts of the two legs in the whole rollout [m];
-            negative where they pressed on each other.
-        legs_touch: share of the whole rollout in which they touch.
-        legs_cross: share of the whole rollout in which the middle of the left foot is to the right
-            of that of the right one, in the heading frame.
+        leg_distance: least distance between the two legs in the entire rollout [m]; negative where
+            they pressed on each other.
+        legs_touch: share of the entire rollout in which the legs touch.
+        legs_cross: share of the entire rollout in which the middle of the left foot is to the right
+            of that of the right foot, in the heading frame.
     """
     first, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
     forces, per_second = recording.contacts.forces, 1.0 / recording.timestep
@@ -128,7 +128,7 @@ def gait_quality(recording: Recording, warm_up: float) -> Columns:
 
 
 def heading_error(recording: Recording) -> np.ndarray:
-    """Yaw less the commanded yaw (S, N) [rad], both from the first step on."""
+    """Yaw minus commanded yaw (S, N) [rad], both relative to the first step."""
     turned = np.unwrap(recording.yaw, axis=0) - recording.yaw[0]
     commanded = np.cumsum(recording.command[:, :, 2], axis=0) * recording.period
     return turned - (commanded - commanded[0])
@@ -139,9 +139,9 @@ def _where(survived: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _alternation(touchdown: np.ndarray, together: float) -> np.ndarray:
-    """Share of touchdowns (T, N, 2) that follow one of the other foot (N,).
+    """Share (N,) of touchdowns (T, N, 2) that follow one of the other foot.
 
-    Feet that touch down fewer than ``together`` simulation steps apart follow none.
+    Touchdowns fewer than ``together`` simulation steps from one of the other foot do not count.
     """
     share = np.zeros(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
@@ -154,7 +154,7 @@ def _alternation(touchdown: np.ndarray, together: float) -> np.ndarray:
 
 
 def _asymmetry(touchdown: np.ndarray) -> np.ndarray:
-    """Of the step times (N,), from the first of touchdowns (T, N, 2) of a foot in a row."""
+    """Asymmetry (N,) of step times; of touchdowns (T, N, 2) of a foot in a row the first counts."""
     result = np.ones(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
         steps, feet = np.nonzero(touchdown[:, robot])
@@ -168,14 +168,14 @@ def _asymmetry(touchdown: np.ndarray) -> np.ndarray:
 
 
 def _cost_of_transport(recording: Recording, first: int) -> np.ndarray:
-    """Infinite for a robot that stays where it is."""
+    """Cost of transport (N,); infinite at zero mean velocity."""
     speed = np.abs(recording.velocity[first:, :, 0].mean(axis=0))
     power = recording.power[first:].mean(axis=0) / recording.weight
     return np.divide(power, speed, out=np.full_like(power, np.inf), where=speed > 0)
 
 
 def _slip(contacts: Contacts) -> np.ndarray:
-    """Of ends that are loaded for two steps in a row: the speed at a touchdown is no slip."""
+    """Mean speed (N,) of ends loaded for two steps in a row: speed at touchdown is not slip."""
     loaded = contacts.loaded[1:] & contacts.loaded[:-1]
     count = loaded.sum(axis=(0, 2, 3))
     total = np.where(loaded, contacts.speeds[1:], 0.0).sum(axis=(0, 2, 3), dtype=float)

@@ -1,7 +1,7 @@
 """Observation terms: pure functions of a view, each declared with its units and its reflection.
 
-The docstring of a term is its meaning in the layout of an exported policy, for someone who has a
-robot but not this package.
+The docstring of a term is its ``meaning`` in the layout of an exported policy, read by users who
+have a robot but not this package.
 """
 
 import inspect
@@ -33,14 +33,14 @@ VELOCITY_ERROR_RANGE = 0.2  # [m/s]
 
 @dataclass(frozen=True)
 class Mirror:
-    """Reflection at the sagittal plane: reflected = value[permutation] · sign."""
+    """Reflection in the sagittal plane: reflected = value[permutation] · sign."""
 
     permutation: tuple[int, ...]
     sign: tuple[float, ...]
 
 
 def _in_place(*sign: float) -> Mirror:
-    """Of values that stay where they are."""
+    """Mirror that changes signs without permuting values."""
     return Mirror(tuple(range(len(sign))), sign)
 
 
@@ -59,10 +59,10 @@ class Observation(Term):
     """A term of the observation: a function of a view, (N, width).
 
     Attributes:
-        components: name of each value, in order; none for those of a grid; of joints, theirs.
+        components: name of each value, in order; empty for a grid; joint names for joints.
         units: unit of each value before scaling; one for all, or one each.
         frame: base (moves with the trunk), heading (turned by the yaw only), world or none.
-        mirror: its reflection, whose size is its width; it may follow from the configuration.
+        mirror: its reflection, of the term's width, or a function that returns it.
     """
 
     components: Names
@@ -72,7 +72,7 @@ class Observation(Term):
 
     @property
     def meaning(self) -> str:
-        """How to get the values, in one line: the docstring."""
+        """How to compute the values: the docstring on one line."""
         return " ".join((inspect.getdoc(self.function) or "").split())
 
     def describe(self, width: int, geometry: Geometry) -> dict[str, Any]:
@@ -106,20 +106,20 @@ def observation(
 
 @observation(_XYZ, "m/s", "base", _POLAR)
 def base_linear_velocity(view: View) -> Array:
-    """Velocity of the base's origin, in axes of the base."""
+    """Linear velocity of the base's origin, in the base frame."""
     return view.state.linear_velocity
 
 
 @observation(("vx", "vy", "0"), "m/s", "heading", _POLAR)
 def target_linear_velocity(view: View) -> Array:
-    """Commanded velocity, and 0."""
+    """Commanded velocity vx, vy, then 0."""
     velocity = view.command[:, :2]
     return _side_by_side(velocity, 0.0 * velocity[:, :1])
 
 
 @observation(_XYZ, "rad/s", "base", _AXIAL)
 def base_angular_velocity(view: View) -> Array:
-    """Angular velocity of the base, in axes of the base (gyroscope)."""
+    """Angular velocity of the base, in the base frame (gyroscope)."""
     return view.state.angular_velocity
 
 
@@ -131,7 +131,7 @@ def target_angular_velocity(view: View) -> Array:
 
 @observation(_XYZ, "-", "base", _POLAR)
 def projected_gravity(view: View) -> Array:
-    """Unit vector of gravity in axes of the base: (0, 0, -1) when upright."""
+    """Unit vector of gravity in the base frame: (0, 0, -1) when upright."""
     return view.state.gravity
 
 
@@ -142,17 +142,16 @@ def projected_gravity(view: View) -> Array:
     _in_place(1.0, -1.0, -1.0, -1.0),
 )
 def command(view: View) -> Array:
-    """Commands; heading_error = (target - yaw) wrapped to [-pi, pi).
+    """Commanded velocity; heading_error = (target - yaw) wrapped to [-pi, pi).
 
-    The target starts at the yaw of the start and moves on by yaw_rate times control_period each
-    control step.
+    The target is the yaw at the start; each later control step adds yaw_rate times control_period.
     """
     return view.command
 
 
 @observation(joint_names, lambda geometry: channel_units(geometry)[:NUM_JOINTS], "none", _legs)
 def joint_positions(view: View) -> Array:
-    """Joint position minus action.joints[i].nominal."""
+    """Joint position minus joints[i].default."""
     return view.state.joint_positions - view.nominal
 
 
@@ -169,48 +168,47 @@ def joint_velocities(view: View) -> Array:
 
 @observation(joint_names, "-", "none", _legs)
 def previous_action(view: View) -> Array:
-    """The last action: clipped, reflected back, 0 where its scale is 0."""
+    """The last action, clipped and mirrored back; 0 at the start and where action.scale is 0."""
     return view.action
 
 
 @observation(joint_names, "-", "none", _legs)
 def action_before_previous(view: View) -> Array:
-    """The action before the last one, likewise; 0 at the start.
+    """The action before previous_action, in the same form.
 
-    With a delay it may still be on its way.
+    With an input delay the motors may not have received it yet.
     """
     return view.previous_action
 
 
 @observation(("z",), "m", "world", _in_place(1.0))
 def base_height(view: View) -> Array:
-    """Height of the base's origin above the ground minus nominal_height."""
+    """Height of the base's origin above the ground under the feet minus simulation.base_height."""
     return view.state.base_height[:, None] - view.nominal_height
 
 
 @observation(("forward", "leftward"), "m/s", "heading", _LEVEL)
 def filtered_velocity(view: View) -> Array:
-    """Low-passed velocity f of the base.
+    """Low-pass filtered velocity f of the base, rotated by minus the yaw; f = 0 at the start.
 
-    f += velocity_filter.gain * (v - f) each control step but the first, f = 0 at the start; v is
-    the base's velocity turned by minus the yaw.
+    Each later control step: f += g (v - f), g = control_period / max(control_period, T), with the
+    unfiltered velocity v and the training's T = env.observation.velocity_filter.
     """
     return view.filtered_velocity
 
 
 @observation(("vx", "vy"), "m/s", "heading", _LEVEL)
 def reference_velocity(view: View) -> Array:
-    """The reference velocity, from one command to the next; see reference.meaning."""
+    """Commanded velocity, rate limited by the training's env.reference.acceleration (0: not)."""
     return view.reference_velocity
 
 
 @observation(("forward", "leftward"), "-", "heading", _LEVEL)
 def velocity_error(view: View) -> Array:
-    """tanh((filtered_velocity - expected) / velocity_error.range).
+    """tanh((filtered_velocity - expected) / (0.2 m/s)).
 
-    Each control step but the first, after the reference velocity has moved, expected +=
-    velocity_filter.gain * (reference velocity - expected), 0 at the start. It says little new, but
-    in one number: networks find small differences of large inputs late.
+    expected is reference_velocity with the filter and the start of filtered_velocity. The term is
+    almost redundant, but networks are slow to learn small differences of large inputs.
     """
     error = view.filtered_velocity - view.expected_velocity
     return (error / VELOCITY_ERROR_RANGE).tanh()
@@ -218,7 +216,7 @@ def velocity_error(view: View) -> Array:
 
 @observation(("sin", "cos"), "-", "none", _in_place(-1.0, -1.0), Needs.CLOCK)
 def phase(view: View) -> Array:
-    """Sine and cosine of 2 pi times the clock; 0, 0 when halted."""
+    """Sine and cosine of 2 pi times the phase of the gait clock; 0, 0 while the clock is halted."""
     angle = 2.0 * np.pi * view.phase  # half a walk later the other leg is in stance: signs flip
     return _side_by_side(angle.sin()[:, None], angle.cos()[:, None]) * ~view.halted[:, None]
 
@@ -233,7 +231,7 @@ def _mirrored_grid(config: ObservationConfig, _: Geometry) -> Mirror:
 def height_scan(view: View) -> Array:
     """Height of the base's origin above points of a grid around it; see height_scan.
 
-    From back to front, in each row from right to left.
+    Rows go from back to front, the points of a row from right to left.
     """
     state, counts = view.state, (view.scan.points_x, view.scan.points_y)
     ground = state.ground if state.scanned is None else state.scanned
@@ -247,7 +245,7 @@ def height_scan(view: View) -> Array:
 
 
 class Observer:
-    """Concatenates the configured terms: scale, reflect where asked, clip.
+    """Concatenates the configured terms: scaled, reflected for some robots, clipped.
 
     Attributes:
         layout: name → width of the terms, in order; ``size`` is their sum.
@@ -280,7 +278,7 @@ def _side_by_side(*parts: Array) -> Array:
 
 
 def reflected(values: Array, permutation: Any, sign: Any) -> Array:
-    """Values (N, K) in the mirror: those of the permutation, times their signs."""
+    """Reflection of values (N, K): values[permutation] · sign."""
     return values[:, permutation] * asarray(sign, values)
 
 

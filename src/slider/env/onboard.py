@@ -1,4 +1,4 @@
-"""Sensors on board of the robots, and the state that is estimated from them."""
+"""Onboard sensors of the robots, and the state estimated from them."""
 
 from dataclasses import fields, replace
 from functools import partial
@@ -28,7 +28,7 @@ _BIASES = 9 + NUM_JOINTS  # and one per motor
 
 
 class OnboardState:
-    """Sensors and estimators of N nominal robots; arrays are those of ``like``.
+    """Sensors and estimators of N nominal robots; arrays have the type and device of ``like``.
 
     The robots come in blocks of the same size, one for each of the ``seeds``.
     """
@@ -51,7 +51,7 @@ class OnboardState:
         self.restart()
 
     def restart(self) -> None:
-        """Begin again: the same errors follow."""
+        """Restart the sequence of sensor errors."""
         self._steps, self._episodes = 0, 0
         self._elapsed, self._age, self._scan_bias = zeros((3, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
@@ -68,14 +68,14 @@ class OnboardState:
         self._estimator.reset(index, qpos[:, :2])
 
     def advance(self, period: float, steps: int, torques: Array) -> None:
-        """Let ``period`` [s], ``steps`` of the simulation, pass with mean torques (N, m) [N m]."""
+        """Advance by ``period`` [s], ``steps`` simulation steps, with mean torques (N, m) [N m]."""
         self._torques = torques
         self._elapsed += period
         self._age += period
         self._steps += steps
 
     def measure(self, state: RobotState) -> RobotState:
-        """The estimated state, of the true one: as on flat ground at the height of the feet."""
+        """Estimate the state from the true one, as on flat ground at the height of the feet."""
         xp, sensors, elapsed = namespace(self._age), self._sensors, self._elapsed[:, None]
         normal = self._draws.normal(READING, self._steps, _READING)
         gyro, acceleration, tilt = (self._bias[:, k : k + 3] for k in (0, 3, 6))
@@ -120,7 +120,7 @@ class OnboardState:
         )
 
     def _scanned(self, state: RobotState, position: Array, yaw: Array) -> ScannedGround:
-        """The ground around the true ``state`` as at estimated positions (N, 3), yaws (N,)."""
+        """Ground around the true ``state``, read at estimated positions (N, 3) and yaws (N,)."""
         sensors, late = self._sensors, self._sensors.scan_delay * state.qvel[:, :2]
         return ScannedGround(
             state.ground,

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 class Clock:
     """Phase in [0, 1) of N walks: left stance below 0.5, right stance from there on.
 
-    At zero command a robot steps in place, or, with halting, stands: once its low-passed velocity
-    is less than ``halt.below``, its clock stays at the next change of feet, where the gait is in
-    double support, until there is a command, or the velocity reaches ``halt.above``: the robot
-    tips over and has to step. ``period`` is that of a control step [s].
+    At zero command a robot steps in place or, with halting, stands: once its filtered speed is
+    below ``halt.below``, its clock halts at the next change of stance foot, where the gait is in
+    double support, until there is a command or the speed reaches ``halt.above``, at which the robot
+    tips over and must step. ``period`` is the control period [s].
 
     Attributes:
         phase: (N,).
-        halted: clocks that stay (N,).
+        halted: whether the clocks are halted (N,).
     """
 
     def __init__(
@@ -39,14 +39,14 @@ class Clock:
     def reset(self, index: Array, phase: Array | float, command: Array, speed: Array) -> None:
         """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
 
-        Those commanded to stand are halted at once where the phase is a change of feet.
+        Robots commanded to stand are halted at once if the phase is at a change of stance foot.
         """
         self.phase[index] = phase
         change = (2.0 * self.phase[index]) % 1.0 == 0.0
         self.halted[index] = change & standing(command) & (speed < self._halt.below)
 
     def advance(self, command: Array, reference: Array, mean_speed: Array, speed: Array) -> None:
-        """Move on by one control period at the step times of the gaits in use.
+        """Advance by one control period at the step times of the gaits in use.
 
         Args:
             command: (N, ≥ 3) vx, vy [m/s], yaw rate [rad/s].
@@ -75,5 +75,5 @@ def gait_velocity_of(reference: Array, command: Array) -> Array:
 
 
 def standing(command: Array) -> Array:
-    """Which commands (N, ≥ 3) of vx, vy and yaw rate mean to stand (N,)."""
+    """Whether commands (N, ≥ 3) of vx, vy and yaw rate are zero, which means standing (N,)."""
     return (command[:, :3] == 0.0).all(axis=1)

@@ -35,7 +35,7 @@ from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission, by_motor
 
 _CONTROL, _APPLIED = mujoco.mjtState.mjSTATE_CTRL, mujoco.mjtState.mjSTATE_QFRC_APPLIED
-_START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
+_START_TIME = 1.0  # nonzero: reveals an automatic reset of MuJoCo even after one step
 
 
 def _stop_timers() -> None:
@@ -50,9 +50,9 @@ class BatchedPhysics:
     Inputs are desired joint positions or joint efforts, which the transmission maps to motor angles
     or torques. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
-    :meth:`measure`; with ``onboard`` that is the estimate from the robot's sensors. Without
-    ``instruments`` it is faster but has no :meth:`contacts`. Robots stay
-    where they are from :meth:`deactivate` to their next :meth:`reset`.
+    :meth:`measure`; with ``onboard``, that returns the estimate from onboard sensors. Without
+    ``instruments`` the simulation is faster but has no :meth:`contacts`. Robots are frozen from
+    :meth:`deactivate` to their next :meth:`reset`.
 
     Attributes:
         state: MuJoCo's full physics state (N, 38): time, positions, velocities.
@@ -130,7 +130,7 @@ class BatchedPhysics:
         return self.state[:, 1 + self.model.nq :]
 
     def _set_fields(self, index: np.ndarray, fields: Fields) -> None:
-        """Write fields (n, ...) of the models of robots (n,), and what follows from them."""
+        """Write fields (n, ...) of the models of robots (n,), and update derived constants."""
         for row, robot in enumerate(index):
             model = self.models[robot]
             for name, values in fields.items():
@@ -140,7 +140,7 @@ class BatchedPhysics:
     def reset(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Place robots ``index`` at positions (n, 19) and velocities (n, 18).
 
-        Arguments are arrays, or tensors on the processor.
+        Arguments are arrays, or tensors on the CPU.
         """
         index, qpos, qvel = np.asarray(index), np.asarray(qpos), np.asarray(qvel)
         if self._onboard is not None:
@@ -159,7 +159,7 @@ class BatchedPhysics:
     def step(self, inputs: Array) -> None:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N].
 
-        Inputs are an array, or a tensor on the processor, whose memory is used without a copy.
+        Inputs are an array, or a tensor on the CPU, whose memory is used without a copy.
         """
         inputs = np.asarray(inputs)
         self.state[:, 0] = _START_TIME
@@ -217,7 +217,7 @@ class BatchedPhysics:
         return states, sensors
 
     def _find_diverged(self, state: np.ndarray) -> np.ndarray:
-        """MuJoCo resets a blown-up state silently: its clock then starts from zero."""
+        """Whether robots diverged (N,). MuJoCo silently resets such a state, and its clock to 0."""
         late = np.abs(state[:, 0] - _START_TIME - self.period) > 1e-9
         wild = ~np.isfinite(state).all(axis=1)
         with np.errstate(invalid="ignore"):
@@ -278,7 +278,7 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
-        """Restart the sequence of disturbances and of the sensors' errors."""
+        """Restart the sequences of disturbances and sensor errors."""
         if self._onboard is not None:
             self._onboard.restart()
         if self._disturber is not None:

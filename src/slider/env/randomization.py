@@ -14,15 +14,15 @@ from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.starts import NUMPY
 from slider.robot import names
 
-# Uniform numbers per robot: payload, one in reserve, delay, mass, friction, centre of mass, motors.
+# Uniform numbers per robot: payload, one unused, delay, mass, friction, centre of mass, motors.
 DELAY, COLUMNS = 2, 8  # and one per motor
 VARIED_FIELDS = (
     *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
     *("actuator_gainprm", "actuator_forcerange"),
 )
-"""Fields of MuJoCo's model that robots have of their own."""
+"""Fields of MuJoCo's model that vary between robots."""
 Fields = Mapping[str, Array]
-# Places of a DC motor's parameters: resistance, position gain and velocity gain.
+# Indices of a DC motor's parameters: resistance, position gain and velocity gain.
 _RESISTANCE, _GAINS = 0, [4, 6]
 
 
@@ -34,13 +34,13 @@ def vary(config: DisturbanceConfig) -> bool:
 
 
 class RandomizedRobots:
-    """Robots that are drawn again in each episode; arrays are those of ``like``.
+    """Robots randomised in each episode; arrays have the type and device of ``like``.
 
-    They differ from the ``nominal`` model: ``write`` writes ``VARIED_FIELDS`` (n, ...) of robots
-    (n,) into theirs.
+    ``write`` writes ``VARIED_FIELDS`` (n, ...), which differ from those of the ``nominal`` model,
+    into the models of robots (n,).
 
     Attributes:
-        motor_gain: (N, motors) by which demanded torques are scaled [-].
+        motor_gain: (N, motors) factors on demanded torques [-].
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class RandomizedRobots:
         )
 
     def draw(self, index: Array, uniform: Array) -> None:
-        """Draw robots ``index`` (n,) again by numbers (N, COLUMNS + motors) in [0, 1)."""
+        """Randomise robots ``index`` (n,) by uniform numbers (N, COLUMNS + motors) in [0, 1)."""
         xp, config, nominal = namespace(uniform), self._config, self._nominal
         uniform = uniform[index]
         payload = _within(config.payload, uniform[:, 0, None])
@@ -76,8 +76,8 @@ class RandomizedRobots:
         friction = _within(config.friction or Interval(0.0, 0.0), uniform[:, 4, None, None])
         shift = config.centre_of_mass * (2.0 * uniform[:, None, 5:8] - 1.0)
         gain = _within(config.motor_gain, uniform[:, 8:, None])
-        # Torque scales at every voltage while the on-board loop keeps its volts: MuJoCo turns the
-        # demanded torque into volts with the resistance, and the gains make up for that.
+        # The gain scales the torque at every voltage, but not the voltages of the onboard loop:
+        # MuJoCo turns the demanded torque into voltage with the resistance; the gains compensate.
         parameters = nominal["actuator_gainprm"] * xp.where(self._gains, gain, 1.0)
         fields = {
             "body_mass": mass * nominal["body_mass"] + self._base * payload,

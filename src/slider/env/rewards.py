@@ -32,7 +32,7 @@ from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import GAIT_JOINTS, NUM_CHANNELS, NUM_JOINTS
 
-if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
+if TYPE_CHECKING:  # config checks import this module: keep that fast
     from slider.env.guide import Guide
 
 TERMS: dict[str, Term] = {}
@@ -47,11 +47,11 @@ _DRIVEN = np.array(GAIT_JOINTS)
 
 @dataclass(frozen=True)
 class Lyapunov:
-    """V = ηᵀPη of outputs y with ÿ = v, and η = (y, ẏ/ω) of each.
+    """Control Lyapunov function V = ηᵀPη with η = (y, ẏ/ω) for each output y, ÿ = v.
 
-    P solves FᵀP + PF − PGR⁻¹GᵀP + Q = 0 with Q = diag(1, q) and R = 1, time in units of 1/ω:
-    P = [[√(q + 2), 1], [1, √(q + 2)]]. In seconds these are Q = diag(1, q/ω²) and R = 1/ω⁴, whose P
-    is that divided by ω. The LQR has the natural frequency ω and the damping ratio √(q + 2)/2.
+    P solves the Riccati equation FᵀP + PF − PGR⁻¹GᵀP + Q = 0 with Q = diag(1, q), R = 1 and time in
+    units of 1/ω: P = [[√(q + 2), 1], [1, √(q + 2)]]. In seconds, Q = diag(1, q/ω²), R = 1/ω⁴ and V
+    is divided by ω. The LQR has the natural frequency ω and the damping ratio √(q + 2)/2.
 
     Attributes:
         bandwidth: ω [rad/s].
@@ -67,7 +67,7 @@ class Lyapunov:
         return math.sqrt(self.rate_weight + 2.0) + 1.0
 
     def value(self, outputs: Array) -> Array:
-        """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
+        """V (N,) [rad²], summed over K outputs (N, 2, K): values [rad] and rates [rad/s]."""
         y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
         diagonal = self.largest - 1.0
         return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(axis=1)
@@ -76,7 +76,7 @@ class Lyapunov:
 class RewardView:
     """A view together with the guide, if there is one; the reference is looked up once per step.
 
-    ``before``: ``outputs`` (N, 2, 10) one control step ago, infinite where an episode begins.
+    ``before``: ``outputs`` (N, 2, 10) of the previous control step; infinite as an episode starts.
     """
 
     def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:
@@ -85,7 +85,7 @@ class RewardView:
 
     @property
     def guide(self) -> "Guide":
-        """The gait library's guide; an error where the training has none."""
+        """Guide from the gait library; a ``UserError`` if the training has none."""
         if self._guide is None:
             raise UserError("reward: expected a gait library for its guide terms, found none")
         return self._guide
@@ -99,7 +99,7 @@ class RewardView:
     def outputs(self) -> Array:
         """y and ẏ (N, 2, 10) [rad, rad/s]: y = √w (q − gait(phase)) of the driven joints.
 
-        With the guide's weights w a metre of slide counts like √40 rad.
+        The guide's weights w make 1 m of slide count as √40 rad.
         """
         desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
@@ -108,7 +108,7 @@ class RewardView:
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
-    """Declare a reward term: a function of a :class:`RewardView` and parameters, (N,)."""
+    """Declare a reward term: a function of a :class:`RewardView` and parameters, returning (N,)."""
     return lambda function: register(TERMS, Term(function, needs))
 
 
@@ -122,13 +122,13 @@ def _norm(values: Array) -> Array:
 
 @reward()
 def alive(r: RewardView) -> Array:
-    """1."""
+    """Constant 1."""
     return r.state.yaw.new_ones(r.state.num_robots)
 
 
 @reward()
 def forward_velocity(r: RewardView) -> Array:
-    """1 − tanh|vx − reference|: a gradient at every distance."""
+    """1 − tanh|e|, e = forward velocity − reference velocity; has a gradient at every error."""
     error = r.state.heading_velocity - r.view.reference_velocity
     return 1.0 - abs(error[:, 0]).tanh()
 
@@ -137,7 +137,7 @@ def forward_velocity(r: RewardView) -> Array:
 def forward_velocity_filtered(
     r: RewardView, width: _Metres2PerSecond2, relative: NonNegative[Number]
 ) -> Array:
-    """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference."""
+    """exp(−e²/(width + relative·r²)), e = v − r: filtered forward velocity v and reference r."""
     expected = r.view.expected_velocity[:, 0]
     error = r.view.filtered_velocity[:, 0] - expected
     return _kernel(error**2, width + relative * expected**2)
@@ -145,20 +145,20 @@ def forward_velocity_filtered(
 
 @reward()
 def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> Array:
-    """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
+    """1 − tanh(|e|/width), e = filtered leftward velocity − filtered reference velocity."""
     error = r.view.filtered_velocity[:, 1] - r.view.expected_velocity[:, 1]
     return 1.0 - (abs(error) / width).tanh()
 
 
 @reward()
 def yaw_rate(r: RewardView, width: _Radians2PerSecond2) -> Array:
-    """exp(−e²/width) of the yaw rate."""
+    """exp(−e²/width), e = z component of the angular velocity − commanded yaw rate."""
     return _kernel((r.state.angular_velocity[:, 2] - r.view.command[:, 2]) ** 2, width)
 
 
 @reward()
 def heading(r: RewardView, width: _Radians2) -> Array:
-    """exp(−e²/width) of the heading error."""
+    """exp(−e²/width), e = heading error."""
     return _kernel(r.view.command[:, 3] ** 2, width)
 
 
@@ -171,7 +171,7 @@ def guide_phase(r: RewardView, width: _Radians2) -> Array:
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
 def guide_phase_turning(r: RewardView, width: _Radians2) -> Array:
-    """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
+    """``guide_phase`` with the hip yaw that a commanded turn adds to the gait (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((r.guide.weights * error**2).sum(dim=1), width)
 
@@ -183,7 +183,7 @@ def clf_value(
     rate_weight: NonNegative[Number],
     eta_max: Positive[Radians],
 ) -> Array:
-    """exp(−V/σ) of the outputs' control Lyapunov function, σ = λ_max(P) η_max² (CLF-RL)."""
+    """exp(−V/σ), V the control Lyapunov function of the outputs, σ = λ_max(P) η_max² (CLF-RL)."""
     clf = Lyapunov(bandwidth, rate_weight)
     return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
 
@@ -197,10 +197,10 @@ def clf_decrease(
     eta_dot_max: Positive[RadiansPerSecond],
     decay: _PerSecond,
 ) -> Array:
-    """Violation of V̇ + decay·V ≤ 0 in units of σ', at most 1 (CLF-RL).
+    """Violation of V̇ + decay·V ≤ 0 divided by σ', clipped to [0, 1] (CLF-RL).
 
-    V̇ is the change over a control step; σ' = 2‖P‖ η_max η̇_max + decay λ_max(P) η_max². Nothing is
-    asked of an episode's first step: V is infinite before.
+    V̇ is the finite difference over a control step; σ' = 2‖P‖ η_max η̇_max + decay λ_max(P) η_max².
+    The term is 0 in the first step of an episode, because the previous V is then infinite.
     """
     clf = Lyapunov(bandwidth, rate_weight)
     value, before = clf.value(r.outputs), clf.value(r.outputs_before)
@@ -210,7 +210,7 @@ def clf_decrease(
 
 @reward()
 def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> Array:
-    """At zero command: share of feet with more than ``loaded``, times exp(−‖q̇‖²/width)."""
+    """At zero command: share of feet that carry over ``loaded``, times exp(−‖q̇‖²/width); else 0."""
     share = (1.0 * (r.state.foot_forces > loaded)).mean(dim=1)
     speed = (r.state.joint_velocities**2).sum(dim=1)
     return standing(r.view.command) * share * _kernel(speed, width)
@@ -218,7 +218,7 @@ def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> A
 
 @reward(Needs.LIBRARY)
 def guide_nearest(r: RewardView, masked: Share) -> Array:
-    """−‖Ô − Ĝ‖ to the nearest sample (eq. 3); ``masked`` 1 leaves the upper feet out."""
+    """−‖Ô − Ĝ‖ to the nearest gait sample (eq. 3); ``masked`` > 0 omits the upper feet."""
     return -r.guide.nearest_distance(r.view, masked > 0)
 
 
@@ -226,9 +226,9 @@ def guide_nearest(r: RewardView, masked: Share) -> Array:
 def contact_schedule(
     r: RewardView, loaded: Newtons, unloaded: Newtons, margin: Annotated[Share, Field(le=0.5)]
 ) -> Array:
-    """Half for a loaded stance foot, half for a free swing foot, away from the switches.
+    """0.5 for a loaded stance foot plus 0.5 for an unloaded swing foot, by the clock's phase.
 
-    ``margin``: share of a step at either end in which nothing is asked.
+    Within a share ``margin`` of the step time from either end of a step, the term is 1.
     """
     left, forces = r.view.phase < 0.5, r.state.foot_forces
     stance = forces[:, 0].where(left, forces[:, 1])
@@ -246,13 +246,13 @@ def upright(r: RewardView, width: Positive[Number]) -> Array:
 
 @reward()
 def height(r: RewardView, width: _Metres2) -> Array:
-    """exp(−(z − nominal)²/width) of the base height."""
+    """exp(−(z − nominal height)²/width), z = base height."""
     return _kernel((r.state.base_height - r.view.nominal_height) ** 2, width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
 def guide_height(r: RewardView, width: _Metres2) -> Array:
-    """exp(−(z − gait(phase))²/width) of the base height."""
+    """exp(−(z − gait(phase))²/width), z = base height."""
     return _kernel((r.state.base_height - r.reference[:, _BASE_HEIGHT]) ** 2, width)
 
 
@@ -287,8 +287,8 @@ def soft_landing(
 ) -> Array:
     """Σ over feet of exp(−z/height)·max(v − speed, 0) [m/s].
 
-    z and v are height above the ground and downward speed of the sole: those of a foot that is
-    about to land.
+    z is the height of the sole above the ground, v its downward speed. The exponential limits the
+    term to feet that are about to land.
     """
     soles = r.state.foot_positions
     above = soles[..., 2] - r.state.ground.height(soles[..., :2], gaps=False)
@@ -305,7 +305,7 @@ def airborne(r: RewardView, unloaded: Newtons) -> Array:
 
 @reward()
 def feet_close(r: RewardView, least: Positive[Metres]) -> Array:
-    """Share by which the lateral distance of the soles, left from right, is below ``least``."""
+    """max(1 − d/least, 0), d = lateral position of the left sole relative to the right one."""
     way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
     distance = turn_to_heading(way, r.state.yaw)[:, 1]
     return (1.0 - distance / least).clip(min=0.0)
@@ -313,13 +313,13 @@ def feet_close(r: RewardView, least: Positive[Metres]) -> Array:
 
 @reward()
 def torque_tanh(r: RewardView) -> Array:
-    """tanh‖τ‖ of the motors (paper)."""
+    """tanh‖τ‖ of the motor torques (paper)."""
     return _norm(r.state.motor_torques).tanh()
 
 
 @reward()
 def angular_velocity_tanh(r: RewardView) -> Array:
-    """tanh‖ω‖ (paper)."""
+    """tanh‖ω‖, ω = angular velocity of the base (paper)."""
     return _norm(r.state.angular_velocity).tanh()
 
 
@@ -337,7 +337,7 @@ def angular_error_tanh(r: RewardView) -> Array:
 
 @reward()
 def height_tanh(r: RewardView) -> Array:
-    """tanh(H) of the base height [m] (paper)."""
+    """tanh(H), H = base height [m] (paper)."""
     return r.state.base_height.tanh()
 
 
@@ -365,7 +365,7 @@ class Reward:
 
 
 def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
-    """Refuse, with a ``UserError``, unknown names, and parameters of no term or out of bounds."""
+    """Raise a ``UserError`` for unknown terms and missing, unknown or out-of-bounds parameters."""
     check_names(TERMS, terms, key)
     for name, term in terms.items():
         expected = TERMS[name].parameters

@@ -1,7 +1,7 @@
 """Roll a controller out from given starts and record what the metrics need.
 
 The rollout owns plant, starts, commands and terminations; a controller only maps state to the
-plant's inputs. It is the same for every controller and for the checks during training. A plant
+plant's inputs. It serves all controllers and the checks during training alike. A plant
 with a shorter period than the control period calls its controller more often. States are recorded
 and failures detected once per control period; loads of the drives, contacts and the distance of
 the legs at every simulation step.
@@ -39,7 +39,7 @@ class Controller(Protocol):
 
 @runtime_checkable
 class CanFail(Controller, Protocol):
-    """A controller that takes time, so that robots that have failed are not simulated further."""
+    """A slow controller, so that robots that have failed are not simulated further."""
 
     def deactivate(self, robots: np.ndarray) -> None:
         """Stop controlling ``robots`` (N,); their inputs are zero."""
@@ -58,10 +58,10 @@ class Recording:
         position: (S, N, 2) of the base in the world [m].
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
         contacts: of the feet and between the legs at each of the T simulation steps.
-        estimate_error: (S, N, 4) of the state that the controller receives: forward and leftward
-            velocity [m/s], height [m], tilt [rad].
+        estimate_error: (S, N, 4) error of the state that the controller receives: forward and
+            leftward velocity [m/s], height [m], tilt [rad].
         power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
-        diverged: (N,) the simulation blew up; of robots given up, before that.
+        diverged: (N,) the simulation blew up, for deactivated robots before their deactivation.
         weight: (N,) m g [N].
     """
 
@@ -109,7 +109,7 @@ def roll_out(
     """Simulate N robots for ``duration`` [s].
 
     Args:
-        controller: for N robots; where it can give some up, those that failed are not simulated.
+        controller: for N robots; if it is a :class:`CanFail`, failed robots are not simulated.
         physics: of N robots; its state is overwritten. Its period divides the control period. The
             controller receives the measured state; everything else is the true one.
         config: control period and terminations.
@@ -198,13 +198,13 @@ def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Frame:
-    """One instant.
+    """One frame of a motion.
 
     Attributes:
         time: since the start [s].
         qpos: base pose and joint positions (19,).
         velocity: forward and leftward velocity of the base (2,) [m/s], heading frame.
-        failed: a termination of the protocol holds.
+        failed: a termination term holds.
     """
 
     time: float
@@ -214,12 +214,12 @@ class Frame:
 
 
 def mean_speed(frames: Sequence[Frame]) -> float:
-    """Mean forward velocity in the second half of some frames [m/s]."""
+    """Mean forward velocity in the second half of the frames [m/s]."""
     return float(np.mean([frame.velocity[0] for frame in frames[len(frames) // 2 :]]))
 
 
 class Episode:
-    """A controller and one simulated robot that starts at rest, as videos and the viewer show it.
+    """A controller and one simulated robot that starts at rest, for videos and the viewer.
 
     ``noise`` is that of the starts; ``period`` is the time between two frames [s]. Velocities (3,)
     are the command: vx, vy [m/s], yaw rate [rad/s].
@@ -261,7 +261,7 @@ class Episode:
         return self._frame()
 
     def push(self, velocity: np.ndarray) -> None:
-        """Add to the base's velocity (2,) in the world [m/s], as an impulse on it would."""
+        """Add ``velocity`` (2,) [m/s], world frame, to the base's, as an impulse would."""
         self._physics.qvel[0, :2] += velocity
 
     def _frame(self) -> Frame:

@@ -15,7 +15,7 @@ from slider.robot.kinematics import (
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import EXTENSION, LEG_SIZE, NUM_JOINTS
 
-# Of checks on the way; that of the evaluations is configured, and by default the same.
+# For checks during training and export; that of evaluations is configured, by default the same.
 USUAL_NOISE = StartNoise(
     joint_position=0.02,
     slide_position=0.005,
@@ -33,8 +33,8 @@ def at_rest(
 ) -> tuple[Array, Array]:
     """Positions (count, 19) and velocities (count, 18) about the nominal pose.
 
-    The lowest foot point touches the ground, whatever the noise. ``rng`` is a generator of NumPy's,
-    or :class:`slider.env.vec_env.Random`.
+    The lowest foot point touches the ground, whatever the noise. ``rng`` is a NumPy generator or
+    :class:`slider.env.vec_env.Random`.
     """
     nominal = asarray(nominal_qpos(robot), like)
     qpos = namespace(like).tile(nominal, (count, 1))
@@ -49,7 +49,7 @@ def sample_about(
 ) -> tuple[Array, Array]:
     """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
 
-    Robots keep the gait's height, but where a foot would be inside the ground they are lifted.
+    Robots keep the gait's height unless a foot would penetrate the ground; then they are lifted.
     """
     qpos, qvel = 1.0 * states[0], 1.0 * states[1]
     perturb(qpos, qvel, robot, noise, rng)

@@ -13,7 +13,7 @@ from slider.env.phase import gait_velocity_of
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 
-if TYPE_CHECKING:  # the configuration is checked with the terms: let that be quick
+if TYPE_CHECKING:  # config checks import this module: keep that fast
     import mujoco
 
 SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
@@ -29,7 +29,7 @@ class RobotState:
     Attributes:
         base_position: (N, 3) [m], world.
         quaternion: (N, 4), base to world, as w, x, y, z.
-        rotation: (N, 3, 3), the same.
+        rotation: (N, 3, 3), base to world.
         yaw: (N,) [rad].
         linear_velocity: (N, 3) [m/s], base frame.
         angular_velocity: (N, 3) [rad/s], base frame.
@@ -42,8 +42,8 @@ class RobotState:
         foot_forces: (N, 2) vertical ground reaction [N].
         body_contacts: (N,) number of contacts of other bodies with the ground.
         diverged: (N,) the simulation of this robot blew up in the last control step.
-        ground: on which the robots are.
-        scanned: the ground as the height scan shows it; none: as it is.
+        ground: under the robots.
+        scanned: the ground as the height scan measures it; none: exactly.
     """
 
     base_position: Array
@@ -66,9 +66,9 @@ class RobotState:
     scanned: ScannedGround | None = None
 
     def tensors(self, like: Array) -> "RobotState":
-        """The same as tensors on the device and in the precision of ``like``.
+        """Convert to tensors on the device and in the precision of ``like``.
 
-        Those of MuJoCo on the processor share the memory of its arrays.
+        On the CPU, in double precision, they share the memory of the arrays.
         """
         return tensors(self, like)
 
@@ -121,9 +121,9 @@ class SensorIndex:
 
 
 def read_state(qpos: Any, qvel: Any, sensors: Any, index: SensorIndex, diverged: Any) -> RobotState:
-    """Name the quantities of N robots, as copies: arrays of arrays, tensors of tensors.
+    """Name the quantities of N robots, as copies; arrays stay arrays, tensors stay tensors.
 
-    Of ``qpos`` (N, 19), ``qvel`` (N, 18), ``sensors`` (N, sensors) and ``diverged`` (N,) robots.
+    Arguments: ``qpos`` (N, 19), ``qvel`` (N, 18), ``sensors`` (N, sensors), ``diverged`` (N,).
     """
     qpos, qvel = 1.0 * qpos, 1.0 * qvel
     rotation = rotation_from_quaternion(qpos[:, 3:7])
@@ -158,10 +158,10 @@ class View:
         action, previous_action: (N, 12) unscaled, unmirrored.
         action_scale: (12,) joint motion of an action of 1 [rad or m].
         filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
-        reference_velocity: (N, 2) on the way from one command to the next [m/s].
-        expected_velocity: (N, 2) the same, low-passed as filtered_velocity is [m/s].
+        reference_velocity: (N, 2) rate-limited commanded velocity [m/s].
+        expected_velocity: (N, 2) reference_velocity, filtered like filtered_velocity [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.
-        halted: (N,) whether the clock stays at a change of feet: stand.
+        halted: (N,) whether the clock is halted at a change of stance foot: the robot stands.
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
         torque_limits: (10,) of the motors [N m].

@@ -1,4 +1,4 @@
-"""Checks of all terms of a configuration, and what a training needs because of them."""
+"""Checks of all terms of a configuration, and what they require of a training."""
 
 from typing import Any
 
@@ -40,7 +40,7 @@ def parameter_types(config: Config) -> dict[str, Any]:
 def check_clock(env: EnvConfig, train: TrainConfig, label: str) -> None:
     """Refuse a training without a clock whose terms need one.
 
-    Without a clock the phase is 0 for ever: terms would reward the first sample of a gait.
+    Without a clock the phase stays 0: terms would always reward the first sample of a gait.
 
     Raises:
         UserError: names the term.

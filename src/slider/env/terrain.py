@@ -1,8 +1,8 @@
 """Terrain of robots: kinds and levels, and the boxes near their feet that simulate the ground.
 
-Every robot has a ground of its own, by formula and without end. Its MuJoCo model has the floor's
-plane and a few boxes, which are put under the feet again in each control step. A foot therefore
-touches a slope, a step or a tile exactly, at five points; of rough ground the tangent plane.
+Every robot has its own infinite ground, given by formulas. Its MuJoCo model has the floor's plane
+and a few boxes, which are moved under the feet in each control step. A foot therefore touches a
+slope, a step or a tile exactly, at five points, and rough ground at its tangent plane.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -21,7 +21,7 @@ from slider.env.height_field import CELL, DEPTH, TILES, UnevenGround, adapt_to_t
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion, yaw_of
 
-# What a level adds.
+# Increment per level.
 SLOPE = math.radians(1.25)  # [rad]
 STEP, RISE, GAP = 0.012, 0.01, 0.015  # height of a step and of a stair, width of a gap [m]
 TILE, WAVE = 0.008, 0.004  # heights of tiles and of rough ground lie within ± this [m]
@@ -35,13 +35,13 @@ _HIDDEN = -50.0  # height of boxes that are not in use [m]
 _THICK = 0.15  # half the thickness of a box [m]
 _LONG = 1.5  # half the width of bars, and half the length of the first and the last [m]
 _PATCH = (0.14, 0.14)  # half the size of the tangent plane under a foot [m]
-_ALONG = np.linspace(0.0, 1.0, 5)  # of a foot, points that must be above the ground
+_ALONG = np.linspace(0.0, 1.0, 5)  # points along a foot that must be above the ground
 _LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half of 20 ms [s]
 DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, place (2)
 
 
 def magnitude(kind: str, level: float) -> str:
-    """A level of a kind, in words."""
+    """Magnitude of a level of a kind, as text."""
     if kind.startswith("slope"):
         return f"{math.degrees(SLOPE) * level:.3g}°"
     scale = {"step": STEP, "stairs": RISE, "gaps": GAP, "tiles": TILE, "rough": WAVE}
@@ -50,7 +50,7 @@ def magnitude(kind: str, level: float) -> str:
 
 
 def add_ground(spec: mujoco.MjSpec) -> None:
-    """Add the boxes of the ground to a described robot, and let contact sensors count them."""
+    """Add the boxes of the ground to a robot's spec, and let contact sensors count them."""
     floor = spec.geom(names.FLOOR)
     for index in range(_BOXES):
         box = spec.worldbody.add_geom(
@@ -67,9 +67,9 @@ def add_ground(spec: mujoco.MjSpec) -> None:
 
 
 def _add_foot_spheres(spec: mujoco.MjSpec, side: str) -> None:
-    """Let a row of spheres touch the ground in place of the foot's capsule, which they fill.
+    """Let a row of spheres touch the ground instead of the foot's capsule, which they fill.
 
-    MuJoCo's contacts of a capsule with a box jump along it: a light foot rocks on them.
+    MuJoCo's contact points of a capsule on a box jump along the capsule: a light foot would rock.
     """
     line, body = spec.geom(names.foot(side)), spec.body(names.foot(side))
     start, end = np.array(line.fromto[:3]), np.array(line.fromto[3:])
@@ -87,7 +87,8 @@ def _add_foot_spheres(spec: mujoco.MjSpec, side: str) -> None:
 class Terrain:
     """Grounds of N robots in their models.
 
-    :func:`add_ground` has made the ``models``; ``table`` (64, 64) are heights of tiles in [-1, 1].
+    The ``models`` have the boxes of :func:`add_ground`; ``table`` (64, 64) has heights of tiles in
+    [-1, 1].
 
     Attributes:
         levels: (N,).
@@ -114,7 +115,7 @@ class Terrain:
         self._place_boxes(everyone, self.ground, origin, np.stack([origin, origin], axis=1))
 
     def grade(self, passed: np.ndarray, fell: np.ndarray) -> None:
-        """Move the levels of robots (N,) that walked an episode through, or fell, by one."""
+        """In a curriculum, raise the levels of robots that ``passed`` (N,), lower on a fall."""
         if not self._config.curriculum:
             return
         levels = self.levels + (1.0 * passed - 1.0 * fell)
@@ -133,15 +134,15 @@ class Terrain:
         return f"{kind.replace('_', ' ')}, {magnitude(kind, self.levels[robot])}"
 
     def speeds(self, share: float) -> np.ndarray:
-        """Factors (N,) on velocities: ``share`` of robots on uneven ground."""
+        """Factors (N,) on velocities: ``share`` on uneven ground, 1 on flat ground."""
         return np.where(self.kinds == "flat", 1.0, share)
 
     def begin(self, index: np.ndarray, qpos: np.ndarray, uniform: np.ndarray) -> np.ndarray:
-        """Give robots ``index`` new grounds by numbers (n, ``DRAWS``) in [0, 1) and their boxes.
+        """Give robots ``index`` new grounds and boxes, by uniform numbers (n, ``DRAWS``) in [0, 1).
 
         Returns:
-            Positions (n, 19): legs and feet fit the ground below them, the lowest foot is as high
-            above the ground as in ``qpos`` (n, 19) above a plane.
+            Positions (n, 19): legs and feet are adapted to the ground, the lowest foot is as high
+            above it as in ``qpos`` (n, 19) above a plane.
         """
         self._draw(index, uniform)
         place = self.ground.of(index)
@@ -152,7 +153,7 @@ class Terrain:
     def _draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
         bounds, level = self._config.level, self.levels[index]
         drawn = bounds.lower + (bounds.upper - bounds.lower) * uniform[:, 0]
-        # Robots beyond the highest level do not all stay there.
+        # In a curriculum, robots beyond the highest level get a random level.
         there = self._config.curriculum & (level <= bounds.upper)
         self.levels[index] = np.where(there, level, drawn)
         level, kinds, ground = self.levels[index], self.kinds[index], self.ground
@@ -182,7 +183,7 @@ class Terrain:
         return ends + qpos[:, None, None, :3]
 
     def _stand(self, ground: UnevenGround, qpos: np.ndarray) -> np.ndarray:
-        """Fit the legs to the ground, and lift the robot until no foot is lower in it."""
+        """Adapt the legs to the ground, and keep the lowest foot's height above the ground."""
         before = self._ends(qpos)
         yaw = yaw_of(rotation_from_quaternion(qpos[:, 3:7]))
         qpos = qpos.copy()
@@ -214,7 +215,7 @@ class Terrain:
 
 
 class _Views:
-    """The arrays of a model that place its floor and the boxes, which follow it."""
+    """Views of the arrays that position a model's floor and the boxes, the geoms after it."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         floor = model.geom(names.FLOOR).id
@@ -233,7 +234,7 @@ class _Views:
             place[:] = value
         half = self._reach[:] = values[-1]
         self._bound[:] = np.sqrt((half * half).sum(axis=1))
-        self._shortcuts[:] = 0  # mj_setConst takes what lies in the world's frame to stay there
+        self._shortcuts[:] = 0  # mj_setConst assumes that geoms in the world's frame stay there
 
 
 def _floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
@@ -246,7 +247,7 @@ def _floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _quaternion_to(slope: np.ndarray) -> np.ndarray:
-    """Turns (..., 4) from the vertical to the normal of planes with a slope (..., 2)."""
+    """Quaternions (..., 4) that turn the vertical to the normal of planes of slopes (..., 2)."""
     normal = np.concatenate([-slope, np.ones_like(slope[..., :1])], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     half = np.sqrt(0.5 * (1.0 + normal[..., 2]))
@@ -283,7 +284,7 @@ def _boxes_near(ground: UnevenGround, base: np.ndarray, feet: np.ndarray) -> Box
 
 
 def _bars(boxes: Boxes, ground: UnevenGround, base: np.ndarray) -> None:
-    """As many bars as there are boxes, about the base."""
+    """The bars around the base, one for each box."""
     position, _, half = boxes
     bars, tread, start = ground.bars[:, None], ground.tread[:, None], ground.start[:, None]
     here = np.floor((base[:, :1] - start) / tread) + 1.0 - _BOXES // 2
@@ -302,7 +303,7 @@ def _tiles(boxes: Boxes, ground: UnevenGround, feet: np.ndarray) -> None:
     near = np.floor(feet / CELL)[:, :, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]  # (N, 2, 4, 2)
     cells = near.reshape(len(feet), _BOXES, 2)
     top = ground.tile(cells)
-    shared = (near[:, 1, :, None] == near[:, 0, None]).all(-1).any(-1)  # both feet's: once
+    shared = (near[:, 1, :, None] == near[:, 0, None]).all(-1).any(-1)  # near both feet: one box
     top[:, _BOXES // 2 :][shared] = _HIDDEN
     boxes[0][..., :2], boxes[0][..., 2] = CELL * cells, top - _THICK
     boxes[2][:] = [0.5 * CELL, 0.5 * CELL, _THICK]

@@ -1,4 +1,4 @@
-"""The training environment: a task on batched physics behind rsl-rl's ``VecEnv`` contract."""
+"""The training environment: a task on batched physics behind rsl-rl's ``VecEnv`` interface."""
 
 import math
 from collections.abc import Callable
@@ -27,7 +27,7 @@ from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
 from slider.robot.names import GAIT_JOINTS, NUM_JOINTS
 
-_CROSSED = 1.0  # way of an episode after which its terrain counts as crossed [m]
+_CROSSED = 1.0  # distance in an episode after which its terrain counts as crossed [m]
 
 
 @dataclass(frozen=True)
@@ -110,21 +110,21 @@ class VelocitySampler:
         return velocities.masked_fill_(standing, 0.0)
 
     def changing(self, rng: Random, num_robots: int) -> torch.Tensor:
-        """Numbers (n,) of the robots that get a new velocity in this control step."""
+        """Indices (n,) of the robots that get a new velocity in this control step."""
         if self._change == 0.0:
             return torch.zeros(0, dtype=torch.long, device=self._lower.device)
         return (rng.uniform(size=num_robots) < self._change).nonzero().flatten()
 
 
 class WalkingEnv(VecEnv):
-    """N robots with commanded velocities; a fall ends an episode, and so does its length.
+    """N robots with commanded velocities; an episode ends at a fall or at its maximum length.
 
     Observations: TensorDict with ``policy`` (N, size) float32. Actions: (N, 12).
     ``extras``: ``time_outs`` (N,) and ``log`` with the mean of every reward term.
     Commands, starts and phases follow from the training's seed.
 
-    All is computed on the device, and in the precision, of the physics. On the processor tensors
-    and MuJoCo's arrays share their memory.
+    Tensors have the device and the precision of the physics. On the CPU they share the memory of
+    MuJoCo's arrays.
 
     Attributes:
         physics: the simulated robots.
@@ -160,7 +160,7 @@ class WalkingEnv(VecEnv):
         self._guide = None if task.guide is None else task.guide.on(like)
         self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
         self._commands = VelocitySampler(train.velocities, config.control_period, like)
-        self._share: torch.Tensor | None = None  # of the velocities drawn, on uneven ground
+        self._share: torch.Tensor | None = None  # factors on the drawn velocities
         if self.physics.terrain is not None:
             self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
         self.reward = Reward(train.reward)
@@ -174,13 +174,13 @@ class WalkingEnv(VecEnv):
         return [] if terrain is None else terrain.levels.tolist()
 
     def restore_levels(self, levels: list[float]) -> None:
-        """Start all robots anew on terrain of such levels (N,)."""
+        """Restart all robots on terrain of these levels (N,)."""
         if self.physics.terrain is not None:
             self.physics.terrain.levels[:] = levels
             self.restart()
 
     def restart(self) -> None:
-        """Start all robots anew."""
+        """Restart all robots."""
         self._reset(torch.arange(self.num_envs, device=self.device))
         self.episode_length_buf[:] = 0
         self._observe()
@@ -190,7 +190,7 @@ class WalkingEnv(VecEnv):
         return self._observations
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict]:
-        """One control period for all robots."""
+        """Simulate one control period of all robots."""
         self.physics.step(self.agent.act(actions.to(self.device)))
         state = self._read()
         self.agent.advance(self._measured)
@@ -255,7 +255,7 @@ class WalkingEnv(VecEnv):
             heading[on_gait] = self._guide.course(gait, when)
             velocity[on_gait] = gait[:, :2]
         if agent.clock is not None and agent.clock.halts:
-            phase[standing(command) & ~on_gait] = 0.0  # they stand from the start
+            phase[standing(command) & ~on_gait] = 0.0  # robots that stand from the start
         self._outputs[index] = math.inf
         self.physics.reset(index, qpos, qvel)
         self._read()

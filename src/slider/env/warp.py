@@ -1,4 +1,4 @@
-"""MuJoCo Warp: the physics of many robots on a device, behind the methods of ``BatchedPhysics``.
+"""MuJoCo Warp: the physics of many robots on a device, with the interface of ``BatchedPhysics``.
 
 All arrays are float32 torch tensors that share Warp's memory. A control step is one graph: CUDA
 runs it without the host, and Warp's CPU device replays it in a thirtieth of the time that launching
@@ -34,7 +34,7 @@ except ModuleNotFoundError as error:
 CONTACTS = 16  # per robot, on average over all: a robot that stands has 4
 ROWS = 64  # of constraints per robot: 16 in stance, 26 where robots lie on the ground and kick
 _DERIVED = ("body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0")
-# Solver and line search stop at their limit as MuJoCo's own do, which says nothing either.
+# Solver and line search stop at their iteration limits, as MuJoCo's own do, without a warning.
 _LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS
 
 
@@ -45,13 +45,13 @@ class WarpPhysics:
     kernels are compiled, which takes half a minute unless Warp's cache has them.
 
     Args:
-        device: Warp's and torch's name of it, such as ``cpu`` or ``cuda:0``.
+        device: its name in Warp and torch, such as ``cpu`` or ``cuda:0``.
     Other arguments are those of ``BatchedPhysics``.
 
     Attributes:
         qpos, qvel: (N, 19), (N, 18) positions and velocities, shared with the simulation.
         model: of the nominal robot.
-        device: where the tensors are.
+        device: device of the tensors.
         terrain: none; the ground is flat.
     """
 
@@ -128,9 +128,9 @@ class WarpPhysics:
         return wp.to_torch(getattr(self._models, name))
 
     def set_fields(self, index: torch.Tensor, fields: Fields) -> None:
-        """Write fields (n, ...) of the models of robots (n,), and what follows from them.
+        """Write fields (n, ...) of the models of robots (n,), and update derived constants.
 
-        As ``mj_setConst`` does for MuJoCo.
+        This is what ``mj_setConst`` does for MuJoCo.
         """
         for name, values in fields.items():
             self.field(name)[index] = values

@@ -1,8 +1,8 @@
-"""PPO of rsl-rl with annealed noise and an averaged actor; our configuration as its dictionaries.
+"""rsl-rl's PPO with annealed noise and an averaged actor, and its configuration dictionaries.
 
 Noise shifts the mean speed of a policy, so that a policy trained with noise tracks another speed
-without it. Single updates move the mean speed at a command by a few per cent. Their average varies
-less than each of them (Polyak and Juditsky, 1992), and is exported.
+without it. Single updates change the mean speed at a command by a few per cent. The average of the
+actors varies less (Polyak and Juditsky, 1992) and is exported.
 """
 
 import math
@@ -29,11 +29,11 @@ class AnnealedPPO(PPO):
     """PPO with bounded action noise and an exponential moving average of the actor.
 
     Args:
-        actor_ema: share of the old average that an update leaves; at 0 the average is the actor.
-        noise_bound: greatest standard deviation of the action noise after so many updates.
+        actor_ema: decay of the average per update; at 0 the average is the actor.
+        noise_bound: number of updates → largest standard deviation of the action noise.
 
-    Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
-    itself does not see the average.
+    Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. Learning does
+    not use the average.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class AnnealedPPO(PPO):
 
     @property
     def averaged_actor(self) -> Module:
-        """The average; before the first update the actor itself."""
+        """The average actor; before the first update, the actor itself."""
         return self._average.module if self._average.n_averaged else self.get_policy()
 
     def update(self) -> dict[str, float]:
@@ -66,11 +66,11 @@ class AnnealedPPO(PPO):
         return losses
 
     def save(self) -> dict:
-        """State of everything, the average included."""
+        """State dictionary, including the average."""
         return {**super().save(), _AVERAGE: self._average.state_dict()}
 
     def load(self, loaded_dict: dict, load_cfg: dict | None, strict: bool) -> bool:
-        """As ``PPO.load``; ``average`` in ``load_cfg`` loads the average."""
+        """Load as ``PPO.load`` does; ``average`` in ``load_cfg`` also loads the average."""
         if load_cfg is None or load_cfg.get("average"):
             self._average.load_state_dict(loaded_dict[_AVERAGE], strict=strict)
         return super().load(loaded_dict, load_cfg, strict)
@@ -134,9 +134,9 @@ def _noise_bound(network: NetworkConfig, updates: int, update: int) -> float:
 
 
 class MetricsWriter(LogWriter):
-    """Collects the scalars of an iteration and hands them over together.
+    """Collects the scalars of an iteration and passes them on together.
 
-    ``log_metrics`` gets all, ``curve`` a row with those that do not depend on the machine's speed.
+    ``log_metrics`` gets all, ``curve`` a row of those that do not depend on the machine's speed.
     """
 
     def __init__(self, log_metrics: LogMetrics, curve: list[dict[str, float]]) -> None:
@@ -145,7 +145,7 @@ class MetricsWriter(LogWriter):
         self._metrics: dict[str, float] = {}
 
     def add_scalar(self, tag: str, scalar_value: float, global_step: int) -> None:
-        """Note one scalar; a new step flushes the last one."""
+        """Store one scalar; the first one of a new step flushes those of the last step."""
         if tag.endswith("/time"):  # against the wall clock instead of the iteration
             return
         if global_step != self._step:
@@ -154,7 +154,7 @@ class MetricsWriter(LogWriter):
         self._metrics[tag.strip("/")] = float(scalar_value)
 
     def stop(self) -> None:
-        """Hand over the scalars of the last iteration."""
+        """Pass on the scalars of the last iteration."""
         if self._metrics:
             self._log_metrics(self._metrics, self._step)
             lasting = {k: v for k, v in self._metrics.items() if not k.startswith("Perf/")}

@@ -22,14 +22,13 @@ class Score:
     """Result of one check; lower ``value`` is better.
 
     Attributes:
-        value: mean over the robots of what each costs: fall_weight for one that fell, and
-            b·e / (b + e) for one that survived, b being fall_weight / 2 and e the survivors' mean
-            of the mean squared velocity error / (0.01 + 0.01 v²). However badly a robot tracks,
-            that costs less than half of a fall.
+        value: mean cost of a robot: fall_weight if it fell, else b·e / (b + e), where b is
+            fall_weight / 2 and e the survivors' mean of (mean squared velocity error) /
+            (0.01 + 0.01 v²), v the command. Even the worst tracking costs less than half of a fall.
         success: share of robots that survived.
         tracked: share that survived and kept to 0.1 m/s, or a tenth, of the command.
         speed_error: mean over survivors of |mean forward velocity − command| [m/s]; NaN if none.
-        flight: their mean share of time with no foot on the ground; NaN if none.
+        flight: survivors' mean share of time with no foot on the ground; NaN if none.
     """
 
     value: float

@@ -1,8 +1,8 @@
 """The stages ``standing`` and ``walking``: train a policy with PPO in chunks, keep the best.
 
-After each chunk are a check and a checkpoint.
-A chunk starts from the checkpoint before it with new robots, buffers and random numbers, in the
-same process or, where that was killed, in another one: the result has the same bytes.
+A check and a checkpoint follow each chunk. The next chunk starts from the checkpoint with new
+robots, buffers and random numbers, in the same process or, if that was killed, in another one: the
+result has the same bytes.
 """
 
 import gc
@@ -84,7 +84,7 @@ def simulator(train: TrainConfig) -> Callable[..., Any] | None:
 
 
 class Trainer:
-    """One training run that survives being killed.
+    """One training run, which can resume after being killed.
 
     Attributes:
         env: the simulated robots.
@@ -100,7 +100,7 @@ class Trainer:
         self._begin(read_checkpoint(job.work, job.progress))
 
     def _begin(self, content: Mapping[str, Any]) -> None:
-        """Begin a chunk after a checkpoint, or the first one; all else follows from the seed."""
+        """Begin a chunk from a checkpoint, or the first one; the seed determines the rest."""
         self._iteration, self._blow_ups = content.get("iteration", 0), content.get("blow_ups", 0)
         self._best: dict[str, Any] = content.get("best", {})
         self._history: list[dict[str, float]] = content.get("history", [])
@@ -126,8 +126,8 @@ class Trainer:
     def start_from(self, weights: Path) -> None:
         """Initialise actor, critic and normalisers; the action noise keeps its initial size.
 
-        Observations that did not vary in the other training, such as the commands of one that
-        stands, start with a standard deviation of 1. Without effect after a checkpoint.
+        Observations that did not vary in the other training, such as the commands in one of
+        standing, start with a standard deviation of 1. No effect when resuming from a checkpoint.
         """
         if self._iteration:
             return
@@ -145,7 +145,7 @@ class Trainer:
         total = self._task.train.iterations
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
-            # a trained policy rarely falls: robots of one age would all be reset at once
+            # a trained policy rarely falls: episodes of equal age would all end at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration > 0)
             self._iteration += chunk
             self._blow_ups += int(self.env.diverged)
@@ -154,7 +154,7 @@ class Trainer:
             content = self._save_checkpoint()
             if self._iteration < total:
                 self._begin(content)
-            gc.collect()  # robots of the last chunk, which refer to each other
+            gc.collect()  # the last chunk's robots: reference cycles
             pace = (time.monotonic() - started) / (self._iteration - done_before)
             self._report(score, pace)
         if not self._best:
@@ -230,19 +230,19 @@ class Trainer:
 
 
 def set_up_torch() -> None:
-    """Compute on one thread, on whose number sums depend, and without denormal numbers."""
+    """Use one thread, because sums depend on the number of threads, and no denormal numbers."""
     torch.set_num_threads(1)
     torch.set_flush_denormal(True)
 
 
 def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """A network's state with standard deviation 1 of the observations that did not vary."""
+    """A network's state with standard deviation 1 for the observations that did not vary."""
     unvaried = state[STD] < UNVARIED
     return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in (STD, VARIANCE)}}
 
 
 def _noise_seed(seed: int, iteration: int) -> int:
-    """Of networks, environments and noise of a chunk, by its first iteration."""
+    """Seed of a chunk's networks, environments and noise, from its first iteration."""
     if iteration == 0:
         return seed
     return int(np.random.SeedSequence([seed, iteration]).generate_state(1)[0])
@@ -253,9 +253,9 @@ def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
 
 
 def write_checkpoint(content: dict[str, Any], folder: Path) -> None:
-    """Put a checkpoint in the place of the last one, which becomes the one before.
+    """Replace the last checkpoint by an atomic rename, and keep it as the one before.
 
-    Its bytes are on the disk before its name is: a power cut leaves one of the two whole.
+    The file is synced to disk before the rename: a power cut leaves one of the two intact.
     """
     buffer = io.BytesIO()
     torch.save(content, buffer)
@@ -271,7 +271,7 @@ def write_checkpoint(content: dict[str, Any], folder: Path) -> None:
 
 
 def read_checkpoint(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
-    """The newest whole checkpoint, or nothing.
+    """The newest intact checkpoint, or an empty dictionary.
 
     Damaged ones are renamed to ``*.damaged``; ``say`` shows one line about each.
     """
@@ -287,10 +287,10 @@ def read_checkpoint(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _content(path: Path) -> dict[str, Any] | None:
-    """Content of a file; none where it is damaged.
+    """Content of a checkpoint file; ``None`` if it is damaged.
 
     Raises:
-        NotReadError: it cannot be read, which says nothing about it.
+        NotReadError: the file cannot be read; it may be intact.
     """
     try:
         digest, _, data = path.read_bytes().partition(b"\n")

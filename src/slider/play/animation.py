@@ -1,4 +1,4 @@
-"""A motion as an animation, or several beside."""
+"""A motion as an animation, or several as tiles."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -46,9 +46,9 @@ _TERRAIN = "evaluation.disturbance.terrain"
 
 
 def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> int:
-    """Write the steady part of a motion, from the side, as an animated WebP; 1 if the robot fell.
+    """Write a motion's steady part, from the side, as an animated WebP; return 1 if the robot fell.
 
-    Of a fall it shows everything from the start.
+    If the robot fell, the film shows everything from the start.
 
     Raises:
         UserError: nothing can be rendered on this machine, or the name is not that of a WebP.
@@ -67,7 +67,7 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
 
 
 def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path: Path) -> int:
-    """Write ``TILES`` of the scenes that ``choose`` makes of overrides; 1 if a robot fell."""
+    """Write ``TILES`` of scenes that ``choose`` builds from overrides; return 1 if a robot fell."""
     require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
     length, fallen, columns = seconds or _SECONDS, False, []
     for tile in TILES:

@@ -1,4 +1,4 @@
-"""A person's control of a motion, the loop in real time, and the same without pictures."""
+"""A user's control of a motion, the loop in real time, and the headless loop."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ BACKWARD, SIDEWAYS, TURNING = 1.0, 0.5, 1.0
 """Highest backward and sideways speed [m/s] and yaw rate [rad/s]."""
 PUSH = 0.4
 """Change of the base's velocity [m/s]."""
-_SECONDS = 10.0  # without pictures
+_SECONDS = 10.0  # headless
 
 Show = Callable[[Frame], bool]
 """Shows a frame; returns whether to go on."""
@@ -48,7 +48,7 @@ class Control:
         self.velocity[:] = 0.0
 
     def toggle_pause(self) -> None:
-        """Let time stand still, or go on."""
+        """Pause or resume."""
         self.paused = not self.paused
 
     def push(self, forward: float, leftward: float) -> None:
@@ -104,7 +104,7 @@ def run(
 
 
 def record(motion: Motion, control: Control, seconds: float) -> list[Frame]:
-    """Frames of a time [s], as fast as possible; a fall ends them."""
+    """Frames of ``seconds`` [s], simulated as fast as possible; a fall ends them."""
     frames: list[Frame] = []
 
     def keep(frame: Frame) -> bool:
@@ -126,7 +126,7 @@ def status(frame: Frame, control: Control) -> str:
 
 
 def run_headless(scene: Scene, control: Control, seconds: float | None) -> int:
-    """Move as fast as possible and print the outcome; status 1 if the robot fell."""
+    """Move as fast as possible and print the outcome; return 1 if the robot fell."""
     frames = record(scene.motion, control, _SECONDS if seconds is None else seconds)
     last = frames[-1]
     fate = f"{'fell' if last.failed else 'up'} after {last.time:.2f} s"

@@ -49,8 +49,8 @@ class Scene:
 def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     """A policy file on its own robot and in its own environment, or the folder of an export.
 
-    Parts of both by which ``config`` differs from ``plain``, which is without overrides, replace
-    the policy's. An export walks on the robot and in the environment of ``config``.
+    Parts of both in which ``config`` differs from ``plain``, which has no overrides, replace the
+    policy's. An export runs on the robot and in the environment of ``config``.
 
     Raises:
         UserError: the policy is for other observations or actions, or for another robot.
@@ -62,7 +62,7 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
         policy = load_policy(path)
         robot = _changed(policy.robot, config.robot, plain.robot)
         env = _changed(policy.env, config.env, plain.env)
-        env = replace(env, onboard=config.env.onboard)  # a policy of the true state has none
+        env = replace(env, onboard=config.env.onboard)  # none if trained on the true state
         controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
     disturbance = Disturbance(config.evaluation.disturbance, (seed,))
     physics = BatchedPhysics(
@@ -73,7 +73,7 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
 
 
 def _changed(own: Section, asked: Section, plain: Section) -> Section:
-    """Configuration of a policy's training, but for the parts that the overrides change."""
+    """Configuration of a policy's training, except the parts that overrides change."""
     names = [item.name for item in fields(own)]
     changed = [name for name in names if getattr(asked, name) != getattr(plain, name)]
     return replace(own, **{name: getattr(asked, name) for name in changed})
@@ -84,8 +84,8 @@ def agent_scene(
 ) -> Scene:
     """A controller of ``conf/control`` on torque drives, as in its evaluation, or a smoke agent.
 
-    ``gaits`` returns library and foot placement for controllers that walk by them. A policy is
-    a scene of its own.
+    ``gaits`` returns library and foot placement for controllers that need them. For a policy see
+    :func:`policy_scene`.
 
     Raises:
         UserError: there is no agent of this name.
@@ -121,7 +121,7 @@ def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
 
 
 class Replay:
-    """The gait that is nearest to a velocity (3,) over and over, along its course."""
+    """Replays the gait nearest to a velocity (3,) repeatedly, moving along its course."""
 
     terrain = None
 
@@ -143,7 +143,7 @@ class Replay:
         return self._frame()
 
     def step(self, velocity: np.ndarray) -> Frame:
-        """Next frame."""
+        """Return the next frame."""
         self._steps += 1
         return self._frame()
 
@@ -162,7 +162,7 @@ class Replay:
         return Frame(time, qpos, self.velocity[:2], failed=False)
 
     def _turn(self, qpos: np.ndarray, walks: int) -> None:
-        """Move a pose (19,) on by a number of turning walks, in place."""
+        """Advance a pose (19,) in place by a number of turning walks."""
         angle = self.velocity[2] * self._duration
         axes = about_z(np.array([angle]))[0, :2, :2]
         walk = self._qpos[-1, :2] - axes @ self._qpos[0, :2]  # of the stance foot

@@ -33,7 +33,7 @@ class Panel(plugin.ViewerPlugin):
     def on_build_gui(self, event: messages.BuildGuiEvent) -> None:
         """Draw the panel."""
         model, viewed = self.viewer.model, self.viewer.camera
-        if self._followed is not model and model.nbody > 1:  # a person may move it afterwards
+        if self._followed is not model and model.nbody > 1:  # once: the user may move it afterwards
             self._followed = model
             viewed.type = mujoco.mjtCamera.mjCAMERA_TRACKING
             viewed.trackbodyid = model.body(names.BASE).id
@@ -66,7 +66,7 @@ class Panel(plugin.ViewerPlugin):
 
 
 def viewer_at(host: str) -> type[WebViewer]:
-    """MuJoCo's viewer at one address; by itself it listens at all of the machine's addresses."""
+    """MuJoCo's viewer at one address; by default it listens at all addresses of the machine."""
 
     class Viewer(WebViewer):
         @property

@@ -46,7 +46,7 @@ _ACTIONS: dict[int, Callable[[Control], None]] = {
 
 
 class NoWindow(UserError):
-    """There is no display, or it can open no window."""
+    """There is no display, or no window can be opened on it."""
 
 
 def on_key(control: Control, key: int) -> None:
@@ -61,7 +61,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
     """Show the scene until the window is closed.
 
     Raises:
-        NoWindow: see there.
+        NoWindow: there is no display, or no window can be opened on it.
     """
     if sys.platform == "linux":
         with warnings.catch_warnings():

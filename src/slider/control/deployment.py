@@ -1,8 +1,8 @@
-"""A step of a policy, and of the estimator on board, as functions of what a robot measures.
+"""A step of a policy, and of the onboard estimator, as functions of what a robot measures.
 
-Both use the classes of training and evaluation. What they keep from call to call is a state, one
-row of numbers per robot; a state of zeros starts anew. A value that is not a number, or is beyond
-``LARGEST``, counts as the last one before it; so does a quaternion that is not of unit length.
+Both use the classes of training and evaluation. Their memory between calls is a state, one row of
+numbers per robot; a state of zeros restarts them. A value that is NaN, or beyond ``LARGEST``, is
+replaced by the last valid one; so is a quaternion that is not of unit length.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,7 +40,7 @@ Tensors = dict[str, torch.Tensor]
 
 
 class Reading(NamedTuple):
-    """An input: its unit, its meaning and the values (width,) that it has before the first one."""
+    """An input: unit, meaning and the values (width,) that it has before the first valid one."""
 
     unit: str
     meaning: str
@@ -48,7 +48,7 @@ class Reading(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A function of readings (N, width) and of a state (N, size) → outputs, the next state."""
+    """A function: readings (N, width) and a state (N, size) → outputs and the next state."""
 
     function: Function
     readings: dict[str, Reading]
@@ -79,7 +79,7 @@ def readings(robot: RobotConfig, env: EnvConfig) -> dict[str, Reading]:
 
 
 def _measured(robot: RobotConfig) -> dict[str, Reading]:
-    """By inertial unit and encoders."""
+    """Readings of IMU and encoders."""
     nominal = nominal_qpos(robot)[7:].tolist()
     return {
         "quaternion": Reading("-", "attitude, base to world: w, x, y, z", [1.0, 0.0, 0.0, 0.0]),
@@ -93,7 +93,7 @@ def policy_step(policy: Policy) -> Step:
     """A control step of a policy: readings → joint targets (N, 12) [rad or m].
 
     Raises:
-        UserError: an observation needs what no input has.
+        UserError: an observation needs a quantity that is not an input.
     """
     needs = {"height": "base_height", "height_scan": "height_scan"}
     given = {
@@ -150,7 +150,7 @@ def _stored(agent: AgentInterface) -> Tensors:
 
 
 def _state(now: Tensors) -> Any:
-    """What observations read of a robot."""
+    """The quantities of a robot that observations read."""
     rotation = rotation_from_quaternion(now["quaternion"])
     yaw = yaw_of(rotation)
     state = SimpleNamespace(
@@ -214,7 +214,7 @@ def _with_state(
     memory: Mapping[str, int],
     outputs: tuple[str, ...],
 ) -> Step:
-    """Keep what a step remembers, and the last readings, in one array; see the module."""
+    """Pack a step's memory and the last readings into one state array; see the module."""
     sizes = [1, *memory.values(), *(len(reading.default) for reading in given.values())]
 
     def function(*values: torch.Tensor) -> list[torch.Tensor]:
@@ -226,7 +226,7 @@ def _with_state(
         fresh, kept, before = parts[0] == 0, parts[1 : 1 + len(memory)], parts[1 + len(memory) :]
         now = {}
         for (name, reading), value, last in zip(given.items(), new, before, strict=True):
-            good = value.abs() < LARGEST  # NaN is not
+            good = value.abs() < LARGEST  # false for NaN
             if name == "quaternion":
                 good = ((value * value).sum(1, keepdim=True) - 1.0).abs() < 0.1
             default = value.new_tensor(reading.default)

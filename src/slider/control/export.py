@@ -1,7 +1,7 @@
 """The stage ``policy_export``: a policy for use without this package, as files of one folder.
 
-The graphs are ONNX files that runtimes since 2022 load. The policy's is compared with the policy
-while robots walk.
+The graphs are ONNX files that runtimes since 2022 load. The policy's graph is compared with the
+policy in a rollout.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -56,12 +56,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 def write_files(
     policy_file: Path, origin: dict[str, Any], out: Path, estimator: EstimatorConfig
 ) -> Policy:
-    """Write the files ``EXPORT_FILES`` into ``out``, unchecked; return the policy.
+    """Write the files ``EXPORT_FILES`` into ``out``, without :func:`compare`; return the policy.
 
-    ``origin`` is the provenance, copied into the contract beside the digest of the policy file.
+    ``origin`` is the provenance, copied into the contract after the digest of the policy file.
 
     Raises:
-        UserError: no policy file, or an observation that no robot has.
+        UserError: not a policy file, or an observation that the exported inputs do not give.
     """
     policy = load_policy(policy_file)
     graphs = {ONNX: policy_step(policy), ESTIMATOR: estimator_step(policy.robot, estimator)}
@@ -79,12 +79,12 @@ def write_files(
 
 
 class Both:
-    """The policy, beside which the file gets the same states.
+    """Controls with the policy and passes the same states to the exported file.
 
     Attributes:
         exported: the controller of the file.
-        targets: the last ones (N, 12).
-        difference: the largest of a target so far [rad or m].
+        targets: last targets of the policy (N, 12).
+        difference: largest difference between targets of the two so far [rad or m].
     """
 
     def __init__(self, policy: PolicyController, exported: OnnxController) -> None:
@@ -110,7 +110,7 @@ class Both:
 
 
 def compare(policy: Policy, onnx_file: Path, duration: float, threads: int = 1) -> float:
-    """Largest difference of a joint target of the file from the policy's while robots walk [rad].
+    """Largest difference between joint targets of file and policy in a rollout [rad or m].
 
     Raises:
         UserError: it is larger than ``TOLERANCE``.
@@ -131,7 +131,7 @@ def compare(policy: Policy, onnx_file: Path, duration: float, threads: int = 1) 
 
 
 def _with_all_digits(spec: mujoco.MjSpec, robot: RobotConfig) -> str:
-    """MJCF with all digits of the tendons' coefficients and motors' parameters: MuJoCo has six."""
+    """MJCF with all digits of tendon coefficients and motor parameters: MuJoCo writes six."""
     model, motors = spec.compile(), Transmission.of(robot)
     names, joints = motor_names(robot.geometry), joint_names(robot.geometry)
     root = ElementTree.fromstring(spec.to_xml())

@@ -1,6 +1,6 @@
 """A policy from the files of its export, and the stage ``policy_import``, which stores these.
 
-It runs in this package's environment, so its robot must be the configured one.
+The policy runs in this package's environment, so its robot must be the configured one.
 """
 
 import json
@@ -46,12 +46,12 @@ class OnnxController:
         self._scan = scan
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew, commanded to ``velocity`` (N, 3)."""
+        """Restart, commanded to ``velocity`` (N, 3)."""
         self._state = np.zeros((state.num_robots, self._sizes[STATE]))
         self._velocity = velocity
 
     def set_velocity(self, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from the next call on."""
+        """Track ``velocity`` (N, 3) from the next call of ``control`` on."""
         self._velocity = velocity
 
     def control(self, state: RobotState) -> np.ndarray:
@@ -73,7 +73,7 @@ class OnnxController:
 
 
 class _Seen:
-    """What the height scan reads."""
+    """The part of a view that the height scan reads."""
 
     def __init__(self, state: RobotState, scan: HeightScan) -> None:
         self.state, self.scan = state, scan
@@ -97,7 +97,7 @@ def read_layout(folder: Path) -> dict[str, Any]:
     """The contract of an export.
 
     Raises:
-        UserError: there is none, or of another version.
+        UserError: there is none, or it has another version.
     """
     path = folder / LAYOUT
     try:
@@ -113,7 +113,7 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> OnnxContr
     """Read a policy that is for ``robot`` and ``env``.
 
     Raises:
-        UserError: the layout is of another version, or of another robot.
+        UserError: the layout has another version or another robot.
     """
     layout, own = read_layout(folder), hardware(robot, env)
     wanted, found = (_leaves({name: node.get(name) for name in own}) for node in (own, layout))
@@ -124,7 +124,7 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> OnnxContr
 
 
 def _leaves(value: dict[str, Any]) -> dict[str, Any]:
-    """Values by dotted place."""
+    """Values by dotted key."""
 
     def named(value: Any) -> Any:
         if isinstance(value, list):

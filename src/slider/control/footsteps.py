@@ -1,4 +1,4 @@
-"""Footstep MPC: where the next steps go, on the LIP, as small QPs in the lengths of the steps.
+"""Footstep MPC: positions of the next steps on the LIP, from small QPs in the step lengths.
 
 Forward and sideways axes are independent. With ξ₀ the state at the end of the current step relative
 to its foot and dₖ the length of step k, the state at the end of step k is
@@ -19,7 +19,7 @@ from slider.control.whole_body import references
 
 @dataclass(frozen=True)
 class Pendulum:
-    """States of n robots at planning time in the frame of their heading, about the stance foot.
+    """States of n robots at planning time in the heading frame, relative to the stance foot.
 
     Attributes:
         position, velocity: of the centre of mass (n, 2) forward, left [m], [m/s].
@@ -68,7 +68,7 @@ class FootstepPlanner:
         cost = cost + self._config.time_weight * (duration - nominal) ** 2
         in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
         allowed = in_range & (duration - pendulum.elapsed >= 2 * self._config.lock)
-        cost[1:] = np.where(allowed[1:], cost[1:], np.inf)  # the planned duration always is
+        cost[1:] = np.where(allowed[1:], cost[1:], np.inf)  # the planned duration is always allowed
         best = cost.argmin(axis=0), np.arange(cost.shape[1])
         return Plan(lengths[best][:, :, 0], duration[best], cost[best])
 
@@ -114,7 +114,7 @@ class FootstepPlanner:
     def references(
         self, pendulum: Pendulum
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Velocities at the ends of the steps, lengths and their bounds, each (n, 2, N)."""
+        """References of step-end velocities and of step lengths, and two bounds, each (n, 2, N)."""
         step, config = self._step, self._config
         time = self.nominal_time(pendulum.reference_velocity)[:, None]
         shape = (len(pendulum.elapsed), 2, config.steps)

@@ -1,7 +1,7 @@
-"""The contract of an exported policy: all that a robot's own software needs beside the graphs.
+"""The contract of an exported policy: all that a robot's own software needs besides the graphs.
 
 Units: SI and radians. x forward, y left, z up. Positive joint angles are right-handed turns about
-the axes in the robot model; a slide grows as the leg gets longer.
+the axes in the robot model; the position of a slide increases as the leg extends.
 """
 
 from typing import Any
@@ -81,7 +81,7 @@ def describe(policy: Policy, provenance: dict[str, Any], graphs: dict[str, Step]
 
 
 def hardware(robot: RobotConfig, env: EnvConfig) -> dict[str, Any]:
-    """What robot and environment of an exported policy must be."""
+    """Properties that robot and environment of an exported policy must have."""
     return {
         "robot": robot.name,
         "control_period": env.control_period,
@@ -92,7 +92,7 @@ def hardware(robot: RobotConfig, env: EnvConfig) -> dict[str, Any]:
 
 
 def metadata(layout: dict[str, Any], step: Step) -> dict[str, str]:
-    """Of an ONNX file: keys and lists, with commas, as mjlab writes them, and a few more."""
+    """Metadata of an ONNX file: keys and comma-separated lists as in mjlab, and a few more."""
 
     def joined(values: Any) -> str:
         return ",".join(str(value) for value in values)
@@ -134,7 +134,7 @@ def _terms(policy: Policy) -> list[dict[str, Any]]:
 
 
 def _joints(robot: RobotConfig) -> list[dict[str, Any]]:
-    """Joints; stiffness and damping are those of their motors together."""
+    """Joints; stiffness and damping are sums over their motors."""
     motors, geometry = Transmission.of(robot).matrix, robot.geometry
     gains = by_motor(robot, robot.gains) * len(SIDES)
     units, (lower, upper) = channel_units(geometry), robot.joint_ranges
@@ -158,7 +158,7 @@ def _joints(robot: RobotConfig) -> list[dict[str, Any]]:
 
 
 def _motors(robot: RobotConfig) -> list[dict[str, Any]]:
-    """Motors; the greatest torque falls linearly with speed from the stall torque to 0."""
+    """Motors; the available torque falls linearly with speed from the stall torque to 0."""
     motors, geometry = Transmission.of(robot), robot.geometry
     joints, names = joint_names(geometry), motor_names(geometry)
     gains = by_motor(robot, robot.gains) * len(SIDES)

@@ -1,4 +1,4 @@
-"""The controllers of ``conf/control``: all that are not learned."""
+"""The model-based controllers of ``conf/control``."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -24,7 +24,7 @@ def build_controller(
     gaits: EnforcedGaits | None = None,
     threads: int = 1,
 ) -> WalkingController:
-    """A controller for ``count`` robots, behind the observer of its settings, if there is one.
+    """A controller for ``count`` robots, with the state observer of its settings, if any.
 
     The ``robot`` is the nominal one, not the plant; ``gaits`` are for the family ``hzd``. The
     observer's model has the ``physics`` of the plant and simulates on ``threads``.

@@ -1,8 +1,8 @@
-"""Steps of the MPC baseline: start, end, footholds, swing foot and torques on one foot.
+"""Steps of the MPC baseline: start, end, footholds, swing foot and torques in single support.
 
-References of the swing foot are quintics, planned at every tick from the reference itself. Forward
-and sideways they lead to the planned foothold, at rest there; up to the apex at half of the step's
-time, then down to the ground with a touchdown velocity. Past the step's time the foot sinks on.
+References of the swing foot are quintics, replanned at every tick from the current reference.
+Horizontally they come to rest at the planned foothold; vertically they reach the apex at half of
+the step time, then the ground with a touchdown velocity. After the step time the foot sinks on.
 """
 
 import numpy as np
@@ -45,18 +45,18 @@ class MpcSteps(Stepping):
         self._ticks_per_plan = max(1, round(config.planner.period / plant.period))
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
+        """Track ``velocity`` (N, 3) from now on."""
         self._velocity.change(memory, velocity)
 
     def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
-        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
+        """Lateral orbits of first steps, stance feet ``stance`` (n,), towards velocities (n, 3)."""
         end = np.full(len(velocity), self._config.step.width / 2)
         return Orbit(end, self._planner.nominal_time(np.zeros_like(velocity)))
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
     ) -> None:
-        """A new step on the feet ``stance`` (n,)."""
+        """Begin a new step with stance feet ``stance`` (n,)."""
         if not len(robots):
             return
         memory.stance[robots] = stance
@@ -70,7 +70,7 @@ class MpcSteps(Stepping):
         self._plan(memory, robots, dynamics, np.arange(len(robots)))
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
+        """Whether the steps are over (n,); ``contact`` (n,) is that of the swing feet."""
         step, elapsed = self._config.step, memory.elapsed[robots] + 1e-9
         duration = memory.duration[robots]
         if step.switching == "time":
@@ -78,7 +78,7 @@ class MpcSteps(Stepping):
         return (contact & (elapsed > step.early * duration)) | (elapsed > duration + step.late)
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
-        """The pendulum falls freely over the stance foot; the other one follows its reference."""
+        """The pendulum falls freely over the stance foot; the swing foot tracks its reference."""
         config, stance = self._config, memory.stance[robots]
         if memory.tick % self._ticks_per_plan == 0:
             left = memory.duration[robots] - memory.elapsed[robots]
@@ -103,7 +103,7 @@ class MpcSteps(Stepping):
         foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
         heading = memory.heading[robots] + 0.5 * yaw_rate * memory.duration[robots]
         feet = stance[:, None]
-        # The pendulum goes along the plane of the ground under its foot.
+        # The pendulum moves parallel to the plane of the ground under its foot.
         slope = memory.slope(robots, support[:, :2])
         height = support[:, 2] + (slope * (dynamics.com - support)[:, :2]).sum(axis=1)
         climb = (slope * dynamics.com_velocity[:, :2]).sum(axis=1)
@@ -118,7 +118,7 @@ class MpcSteps(Stepping):
     def _plan(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, rows: np.ndarray
     ) -> None:
-        """Foothold and duration of the steps of ``robots`` from their ``rows`` of the terms."""
+        """Plan foothold and duration of the steps of ``robots`` from ``rows`` of ``dynamics``."""
         if not len(robots):
             return
         stance = memory.stance[robots]
@@ -144,9 +144,9 @@ class MpcSteps(Stepping):
         yaw_rate: np.ndarray,
         slope: np.ndarray,
     ) -> list[Task]:
-        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration.
+        """Swing foot (n,) tracks ``reference`` (n, 3, 3): axis; position, velocity, acceleration.
 
-        It is along ``heading`` and ``slope`` (n,) [rad]. A line is free to roll, a sole level.
+        It points along ``heading`` and ``slope`` (n,) [rad]. A line may roll, a sole stays level.
         """
         robots, tasks = np.arange(len(foot)), self._config.whole_body
         place = dynamics.foot_jacobians[robots, foot, :3]

@@ -1,7 +1,7 @@
-"""From a function of tensors to an ONNX graph, so that what was trained is what is exported.
+"""Converts a function of tensors to an ONNX graph, so that what was trained is what is exported.
 
-torch records the operators that the function calls on an example; each becomes one or a few of
-ONNX. Values that depend on no input are folded into constants.
+torch records the operators that the function calls on an example; each becomes one or a few ONNX
+operators. Values that depend on no input are folded into constants.
 """
 
 import operator
@@ -17,8 +17,8 @@ from torch.func import functionalize
 from torch.fx.experimental.proxy_tensor import make_fx
 
 IR, OPSET = 8, 13  # of ONNX 1.10
-_ROBOTS = 997  # of the example: a size that nothing else has, so that it shows what is per robot
-_TABLE = 10_000  # numbers, from which on a constant is stored in single precision
+_ROBOTS = 997  # batch size of the example: unlike any other size, it marks the batch dimension
+_TABLE = 10_000  # float64 constants with more numbers are stored in single precision
 _TYPES = {
     torch.float64: TensorProto.DOUBLE,
     torch.float32: TensorProto.FLOAT,
@@ -72,7 +72,7 @@ def save(
 
 
 class _Value:
-    """A tensor of the example; its name in the graph, or none of a constant."""
+    """A tensor of the example; its name in the graph, ``None`` for a constant."""
 
     def __init__(self, tensor: torch.Tensor, name: str | None = None) -> None:
         self.tensor, self.name = tensor, name
@@ -83,8 +83,8 @@ class _Graph:
 
     def __init__(self, recorded: torch.fx.GraphModule, inputs: Mapping[str, torch.Tensor]) -> None:
         self._nodes: list[onnx.NodeProto] = []
-        self._known: dict[Any, str] = {}  # what computes the same is there once
-        self._written: dict[str, Any] = {}  # arguments of what wrote a row
+        self._known: dict[Any, str] = {}  # equal nodes and constants are added once
+        self._written: dict[str, Any] = {}  # arguments of the operator that wrote a row
         self._constants: dict[str, np.ndarray] = {}
         self._values: dict[torch.fx.Node, Any] = {}
         self._first = next(iter(inputs))
@@ -102,7 +102,7 @@ class _Graph:
                 self._values[node] = self._call(node)
 
     def results(self, names: Sequence[str]) -> list[tuple[str, torch.Tensor]]:
-        """Name the returned values; those names with the values of the example."""
+        """Name the returned values; return the names with the values of the example."""
         for name, value in zip(names, self._returned, strict=True):
             self._nodes.append(helper.make_node("Identity", [self.ref(value, whole=True)], [name]))
         self._outputs = set(names)
@@ -124,11 +124,11 @@ class _Graph:
         return [item for item in self._constants.items() if item[0] in self._needed]
 
     def _call(self, node: torch.fx.Node) -> Any:
-        """Value of an operator of torch, or values."""
+        """Value of a torch operator, or list of values."""
         target: Any = node.target
         args: Any = torch.fx.map_arg(node.args, self._values.__getitem__)
         kwargs: Any = torch.fx.map_arg(node.kwargs, self._values.__getitem__)
-        if target is operator.getitem:  # of a tensor that was unbound
+        if target is operator.getitem:  # an element of an unbound tensor
             return args[0][args[1]]
         plain, options = (_map(given, lambda value: value.tensor) for given in (args, kwargs))
         result = target(*plain, **options)
@@ -151,7 +151,7 @@ class _Graph:
         return _Value(result, made)
 
     def _select(self, value: _Value, dim: int, index: int, result: torch.Tensor) -> _Value:
-        """A row; one that was written before needs no look-up."""
+        """A row; one that was written before is returned without a look-up."""
         while value.name in self._written and self._written[value.name][2] == dim:
             before, row, _, at = self._written[value.name]
             if at == index:
@@ -163,7 +163,7 @@ class _Graph:
         return _Value(result, gathered)
 
     def add(self, operation: str, *inputs: str, **attributes: Any) -> str:
-        """Name of the result of a node."""
+        """Add a node, unless it exists; return the name of its result."""
         key = operation, inputs, tuple(attributes.items())
         if key not in self._known:
             self._known[key] = f"{operation.lower()}{len(self._nodes)}"
@@ -187,7 +187,7 @@ class _Graph:
     def ref(self, value: Any, dtype: torch.dtype | None = None, whole: bool = False) -> str:
         """Name of a value, cast to a type.
 
-        A constant has one robot, which is broadcast, but where the ``whole`` number is needed.
+        A constant is stored for one robot and broadcast; ``whole`` expands it to all robots.
         """
         if not isinstance(value, _Value):
             return self.constant(value, dtype or torch.float64)
@@ -210,7 +210,7 @@ class _Graph:
 
 
 def _map(values: Any, function: Callable[[Any], Any]) -> Any:
-    """Apply a function to the values, and to the tensors, in nested lists and dictionaries."""
+    """Apply a function to the values and tensors in nested lists and dictionaries."""
     if isinstance(values, _Value | torch.Tensor):
         return function(values)
     if isinstance(values, dict):
@@ -268,7 +268,7 @@ def _cut(g: _Graph, name: str, dim: int, first: int, last: int) -> str:
 def _select_scatter(
     g: _Graph, out: torch.Tensor, x: _Value, row: _Value, dim: int, index: int
 ) -> str:
-    """The row at an index, the rest elsewhere."""
+    """``x`` with ``row`` at ``index`` of dimension ``dim``."""
     here = (torch.arange(out.shape[dim]) == index).reshape([-1] + [1] * (out.dim() - dim - 1))
     row_there = g.add("Unsqueeze", g.ref(row, out.dtype, whole=True), g.constant([dim]))
     return g.add("Where", g.ref(_Value(here)), row_there, g.ref(x))
@@ -297,7 +297,7 @@ def _stack(g: _Graph, out: torch.Tensor, values: Sequence[_Value], dim: int = 0)
 
 
 def _index(g: _Graph, _: Any, x: _Value, places: Sequence[_Value | None]) -> str:
-    """Rows of one axis, or of a table by its first axes."""
+    """Rows along one axis, or entries of a table by indices of its first axes."""
     given = [place for place in places if place is not None]
     if len(given) > 1:
         last, whole = g.constant([-1]), {"dtype": torch.int64, "whole": True}
@@ -310,7 +310,7 @@ def _index(g: _Graph, _: Any, x: _Value, places: Sequence[_Value | None]) -> str
 
 
 def _searchsorted(g: _Graph, _: Any, edges: _Value, x: _Value, *, side: str = "left") -> str:
-    """How many of the sorted edges (K,) are not above, or below, each value."""
+    """Number of sorted edges (K,) below each value, with ``side`` right: not above it."""
     last = g.constant([-1])
     below = "LessOrEqual" if side == "right" else "Less"
     under = g.add(below, g.ref(edges), g.add("Unsqueeze", g.ref(x), last))
@@ -360,7 +360,7 @@ def _cross(g: _Graph, _: Any, a: _Value, b: _Value, *, dim: int = -1) -> str:
 
 
 def _cosine(g: _Graph, angle: str) -> str:
-    """By the sine: onnxruntime 1.15 has no cosine in double precision."""
+    """Cosine by the sine: onnxruntime 1.15 has no cosine in double precision."""
     return g.add("Sin", g.add("Add", angle, g.ref(0.5 * np.pi)))
 
 
@@ -381,7 +381,7 @@ def _atan2(g: _Graph, _: Any, y: _Value, x: _Value) -> str:
 
 
 def _remainder(g: _Graph, _: Any, x: _Value, divisor: float) -> str:
-    """With the sign of the divisor, which is positive."""
+    """Remainder with the sign of the divisor, which is positive."""
     rest = g.add("Mod", g.ref(x), g.ref(divisor), fmod=1)
     below = g.add("Less", rest, g.ref(0.0))
     return g.add("Where", below, g.add("Add", rest, g.ref(divisor)), rest)
@@ -442,4 +442,4 @@ _OPERATORS: dict[str, Callable[..., str]] = {
     "atan2": _atan2,
     "remainder": _remainder,
 }
-"""What becomes of an operator of torch."""
+"""Converters of torch operators, by name."""

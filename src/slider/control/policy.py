@@ -62,7 +62,7 @@ def from_actor(
     ``epsilon`` to the standard deviation.
 
     An observation that did not vary in training is not scaled: otherwise a velocity that is new to
-    the policy would reach its first layer a hundred times as large as it is.
+    the policy would reach its first layer multiplied by a hundred.
     """
     weights = {k.removeprefix("mlp."): v for k, v in state.items() if k.startswith("mlp.")}
     num_observations = weights["0.weight"].shape[1]
@@ -125,7 +125,7 @@ def save_policy(policy: Policy, path: Path) -> None:
 
 
 def save(content: Any, path: Path) -> None:
-    """Write a file with torch, whose bytes else depend on whether the folder's name is ASCII."""
+    """Write a file with torch, from its folder: a path that is not ASCII would change its bytes."""
     with chdir(path.parent):
         torch.save(content, path.name)
 
@@ -197,7 +197,7 @@ class PolicyController:
         self._started = False
 
     def set_velocity(self, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from the next observation on, as in training."""
+        """Track ``velocity`` (N, 3) from the next observation on, as in training."""
         self._velocity = velocity
 
     def control(self, state: RobotState) -> np.ndarray:

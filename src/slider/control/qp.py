@@ -40,7 +40,7 @@ _SETTINGS, _LENIENT = (ctypes.create_string_buffer(256) for _ in range(2))  # DA
 for _settings in (_SETTINGS, _LENIENT):
     ctypes.CDLL(daqp.__file__).daqp_default_settings(_settings)
 _zero_tol = ctypes.c_double.from_buffer(_LENIENT, 2 * ctypes.sizeof(ctypes.c_double))
-_zero_tol.value = 1e-7  # for 1e-11
+_zero_tol.value = 1e-7  # instead of 1e-11
 llvmlite.binding.load_library_permanently(daqp.__file__)
 _quadprog = types.ExternalFunction("daqp_quadprog", types.void(*[types.uintp] * 3))
 
@@ -54,9 +54,9 @@ def solve(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Minimise ½ xᵀ H x + gᵀ x with bounds on the first variables and on ``rows`` x, N times.
 
-    DAQP fails on some QPs of a heavy robot on two soles that have a solution: infeasible, initially
-    overdetermined, cycling. What it fails on it solves again with a larger tolerance, in units in
-    which H has a diagonal of ones.
+    On some feasible QPs of a heavy robot on two soles, DAQP fails: infeasible, initially
+    overdetermined, cycling. Those are solved again with a larger tolerance, and scaled such that H
+    has a unit diagonal.
 
     Args:
         hessian: (N, n, n), positive definite.
@@ -65,7 +65,7 @@ def solve(
         lower, upper: (N, b + m); the first b bound the first b variables.
 
     Returns:
-        x (N, n), zero where the constraints leave no solution, and where they leave one (N,).
+        x (N, n), zero where no solution was found, and whether one was found (N,).
 
     Raises:
         RuntimeError: the solver did not run.

@@ -25,20 +25,20 @@ from slider.robot.names import SIDES
 
 @dataclass
 class EnforcedSteps:
-    """Present steps of n robots by their gaits; S phases.
+    """Current steps of n robots along their gaits; S phases.
 
     Attributes:
         constraints: virtual constraints of the steps.
         duration: (n,) [s].
-        turn: of the course over the step (n,) [rad].
-        hip: forward place of the hip over the stance foot (m = 1) [m].
+        turn: change of the course over the step (n,) [rad].
+        hip: forward position of the hip relative to the stance foot (m = 1) [m].
         gains: K (n, 2, S, 2, 4) of :class:`FootPlacement`, by time and by the hip.
         orbit: ξ* (n, S, 4).
-        by_hip: whether the hip's place gives the phase.
+        by_hip: whether the phase follows from the hip's position, not from time.
         phase, rate: of the steps [1], [1/s].
-        line: yaw at which the gait has the stance foot's line (n,) [rad].
-        footholds: of the stance foot, of the swing foot before and, without its displacement, after
-            the step (n, 3, 2) [m], world.
+        line: yaw of the stance foot in the gait (n,) [rad].
+        footholds: of the stance foot, and of the swing foot before and (without its displacement)
+            after the step (n, 3, 2) [m], world.
     """
 
     constraints: StepConstraints
@@ -55,7 +55,7 @@ class EnforcedSteps:
 
 
 class EnforcedGaits:
-    """Gaits of a library, the virtual constraints to enforce, and feedback from step to step.
+    """Gaits of a library, the virtual constraints to enforce, and step-to-step feedback.
 
     ``reach`` is the largest displacement of a foothold [m].
 
@@ -90,7 +90,7 @@ class EnforcedGaits:
         self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
     def at(self, velocities: np.ndarray, stance: np.ndarray) -> EnforcedSteps:
-        """Starts of steps on the feet ``stance`` (n,) at velocities (n, 3), independent of n."""
+        """New steps, stance feet ``stance`` (n,), at velocities (n, 3); rows independent of n."""
         values = np.empty((len(stance), self._table.shape[2]))
         for row, weights in enumerate(self._mesh.weights(velocities)):
             near = np.flatnonzero(weights)
@@ -99,7 +99,7 @@ class EnforcedGaits:
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
         times, coefficients, *tables, gains, orbit, placement = parts
         roll, hip = (NodeTable(*(table[:, :, k, None] for k in range(3))) for table in tables)
-        # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
+        # Even if no gait turns that fast, the foot points along the course in mid-step.
         turns = velocities[:, 2] * times * side_of(stance)
         by_hip = velocities[:, 0] >= self.constraints.slowest_hip
         steps = Steps(coefficients, roll, placement, *self._legs).constraints(self.constraints)
@@ -123,9 +123,9 @@ class EnforcedGaits:
 
 
 def at_phase(table: np.ndarray, phase: np.ndarray, *indices: np.ndarray) -> np.ndarray:
-    """Interpolate a table (n, S, …) over equally spaced phases linearly; the ends hold: (n, …).
+    """Interpolate a table (n, S, …) linearly over equally spaced phases, clamped: (n, …).
 
-    A larger table (n, …, S, …) is read at ``indices``, each (n,), of the axes before S.
+    A larger table (n, …, S, …) is read at ``indices``, each (n,), of the axes between n and S.
     """
     robots = np.arange(len(phase)), *indices
     last = table.shape[len(robots)] - 1

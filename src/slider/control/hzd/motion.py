@@ -35,7 +35,7 @@ class ControlledCoordinates:
 
     Attributes:
         x, rate: (n, 12).
-        jacobian: (n, 12, 18), ẍ = jacobian q̈ up to what q̇ adds.
+        jacobian: (n, 12, 18), ẍ = jacobian q̈ + terms in q̇.
     """
 
     x: np.ndarray
@@ -56,9 +56,9 @@ def controlled_coordinates(
     signs: np.ndarray,
     soles: bool = False,
 ) -> ControlledCoordinates:
-    """Coordinates; yaw counts from ``heading`` (n,) [rad], which turns with ``yaw_rate`` (n,).
+    """Coordinates; yaw is relative to ``heading`` (n,) [rad], which turns at ``yaw_rate`` (n,).
 
-    ``signs`` (10,) are those of the reflection of the driven joints.
+    ``signs`` (10,) reflect the driven joints. With ``soles``, roll is the leg's, not the foot's.
     """
     rows, right, side = np.arange(len(stance)), stance == RIGHT, side_of(stance)
     rotation = dynamics.foot_rotations[rows, stance]
@@ -110,14 +110,14 @@ def terrain_motion(
     """Change of coordinates (n, 12) with two derivatives over the phase (n,); zeros where level.
 
     Gaits are those of level ground. As in :func:`slider.env.height_field.adapt_to_terrain`, the
-    base counts from the mean of the ground under both feet, and ankles are turned by its slope.
-    With h the height of the swing foot's ground over the stance foot's, the stance leg is longer by
-    h/2, the swing leg shorter. The centre of mass then goes parallel to the line through the
+    base height is relative to the mean ground under both feet, and ankles are turned by its slope.
+    With h the height of the swing foot's ground above the stance foot's, the stance leg is longer
+    and the swing leg shorter by h/2. The centre of mass then moves parallel to the line through the
     footholds, where the linear pendulum moves as on level ground (Kajita et al., "The 3D linear
     inverted pendulum mode", IROS 2001).
 
     Args:
-        memory, robots: with the ground; indices (n,).
+        memory, robots: memory with the ground; indices (n,).
         footholds: of the stance foot, of the swing foot's last and next stance (n, 3, 2) [m].
         phase: of the steps (n,).
         extension: joints of the stance and the swing leg per length (2, 5).

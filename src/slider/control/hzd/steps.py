@@ -42,7 +42,7 @@ def hzd_controller(
 
 
 class HzdSteps(Stepping):
-    """Steps of N robots by gaits, on a nominal robot."""
+    """Steps of N robots along gaits, for a nominal robot."""
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class HzdSteps(Stepping):
         self._walk = self._gaits.at(np.zeros((count, 3)), np.zeros(count, dtype=int))
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
+        """Track ``velocity`` (N, 3) from now on; the yaw rate of a walk ramps to it."""
         reference, target, rate = velocity.copy(), velocity[:, 2], memory.velocity[:, 2]
         walks = (memory.mode == WALK) & ~standing(velocity)
         reference[walks, 2] = np.where(rate == 0.0, _NOT_ZERO * target, rate)[walks]
@@ -79,7 +79,7 @@ class HzdSteps(Stepping):
         self._velocity.change(memory, reference)
 
     def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
-        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
+        """Lateral orbits of first steps, stance feet ``stance`` (n,), towards velocities (n, 3)."""
         first = self._config.velocity.acceleration * self._config.ahead
         size = np.linalg.norm(velocity[:, :2], axis=1)
         slow = velocity.copy()
@@ -90,12 +90,12 @@ class HzdSteps(Stepping):
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
     ) -> None:
-        """A new step on the feet ``stance`` (n,): its gait, and constraints through this state."""
+        """Begin a step, stance feet ``stance`` (n,): its gait, constraints through the state."""
         if not len(robots):
             return
         memory.stance[robots], memory.elapsed[robots] = stance, 0.0
         memory.steps[robots] += 1
-        # Where the velocity of the next gait is bounded the integral action waits.
+        # Anti-windup: the integral action pauses where the velocity of the next gait is bounded.
         before = memory.correction[robots]
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
         planned = self._velocity.planned(memory, robots, self._config.ahead)
@@ -107,14 +107,14 @@ class HzdSteps(Stepping):
         memory.duration[robots] = walk.duration
         walk.line = memory.heading[robots] + side_of(stance) * walk.turn / 2
         place, speed = hip(dynamics, stance, walk.line)
-        # By the hip, where its place and velocity are near those of the gait's start.
+        # The hip gives the phase if its position and velocity are near those of the gait's start.
         start, pace = self._config.hip_start, self._config.hip_rate
         phase = phase_of(walk.hip, place)
         rate = phase_rate(walk.hip, phase, speed) * walk.duration
         walk.by_hip &= (phase >= start.lower) & (phase <= start.upper)
         walk.by_hip &= (rate >= pace.lower) & (rate <= pace.upper)
         self._synchronise(walk, phase, speed, np.ones(len(robots)))
-        # At the next foothold the gait's centre of mass starts again.
+        # Relative to the next foothold, the gait's centre of mass is where the step began.
         rows, feet = np.arange(len(robots)), dynamics.foot_positions[:, :, :2]
         first, last = walk.orbit[:, 0], walk.orbit[:, -1]
         sideways = side_of(stance) * (first + last)[:, 0]
@@ -127,7 +127,7 @@ class HzdSteps(Stepping):
         scatter(self._walk, robots, walk)
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
+        """Whether the steps are over (n,); ``contact`` (n,) is that of the swing feet."""
         phase, step, rates = self._walk.phase[robots], self._config.step, self._config.hip_rate
         elapsed, duration = memory.elapsed[robots], memory.duration[robots]
         late = (phase - 1.0) * duration > step.late
@@ -152,7 +152,7 @@ class HzdSteps(Stepping):
             idle = np.arange(NUM_JOINTS) == np.array(LAST_JOINTS)[feet]
         loaded = np.ones(feet.shape, dtype=bool)
         solved = self._body.solve(dynamics, tasks, feet, loaded, idle)
-        # Yaw rates grow to the commanded ones; on the way none is zero, which could mean to stand.
+        # Yaw rates ramp to the commanded ones, skipping zero, which could mean standing.
         yaw_rate, target = memory.velocity[robots, 2], memory.target_yaw_rate[robots]
         most = self._config.yaw_acceleration * self._period
         grown = yaw_rate + np.clip(target - yaw_rate, -most, most)
@@ -165,14 +165,14 @@ class HzdSteps(Stepping):
         return solved
 
     def _ground(self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray) -> Orders:
-        """What the ground under the footholds, the next one displaced, changes of coordinates."""
+        """Change of coordinates by the ground under the footholds, the next one displaced."""
         moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
         moved[:, 1] *= side_of(memory.stance[robots])
         footholds[:, 2] += memory.to_world(moved, robots)
         return terrain_motion(memory, robots, footholds, walk.phase, self._extension, self._level)
 
     def _reachable(self, memory: Memory, robots: np.ndarray, planned: np.ndarray) -> np.ndarray:
-        """Nearest velocity (n, 2) that is not far from the last step's, nor too fast."""
+        """Nearest velocity (n, 2) within ``change`` of the last step's and below ``fastest``."""
         moved = memory.starts[robots, 1] - memory.starts[robots, 0]
         halfway = memory.heading[robots] - 0.5 * memory.yaw_rate(robots) * moved[:, 2]
         last = turn_to_heading(moved[:, :2], halfway) / np.maximum(moved[:, 2:], self._period)
@@ -188,9 +188,9 @@ class HzdSteps(Stepping):
     def _synchronise(
         self, walk: EnforcedSteps, phase: np.ndarray, velocity: np.ndarray, growth: np.ndarray
     ) -> None:
-        """Set ``phase`` and its rate of those that go by the hip.
+        """Set phase and phase rate, from ``phase`` and hip where the hip gives the phase.
 
-        It grows by ``growth`` (n,) at most, the hip has a ``velocity`` (n,) [m/s].
+        The phase grows by ``growth`` (n,) at most; the hip has a ``velocity`` (n,) [m/s].
         """
         phase = np.clip(phase, walk.phase, walk.phase + growth)
         pace, bounds = 1.0 / walk.duration, self._config.hip_rate
@@ -207,7 +207,7 @@ class HzdSteps(Stepping):
         dynamics: Dynamics,
         ground: Orders,
     ) -> ControlledCoordinates:
-        """As if the ground were level, yaw of the line from where the gait's course has it."""
+        """Coordinates as on level ground, with yaw relative to the stance foot's in the gait."""
         stance, heading = memory.stance[robots], memory.heading[robots]
         result = controlled_coordinates(
             dynamics, stance, heading, memory.yaw_rate(robots), self._signs, self._body.has_soles
@@ -219,10 +219,10 @@ class HzdSteps(Stepping):
         return result
 
     def _outputs(self, walk: EnforcedSteps, now: ControlledCoordinates, ground: Orders) -> Task:
-        """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
+        """Task ÿ = −kp y − kd ẏ; if the hip gives the phase, the ankle controls its rate instead.
 
-        There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
-        the foot's length leaves of the ankle. The Jacobian of ``now`` is overwritten.
+        Then s̈ = (∇p q̈ − p″ ṡ²)/p′ is the robot's own: the other nine outputs do not depend on the
+        ankle torque that the foot's length allows. The Jacobian of ``now`` is overwritten.
         """
         config, rate, by_hip = self._constraints, walk.rate[:, None], walk.by_hip
         value, slope, curve = walk.constraints.desired(walk.phase)
@@ -250,7 +250,7 @@ class HzdSteps(Stepping):
     def _place(
         self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray, dynamics: Dynamics
     ) -> None:
-        """Phase now, and the foothold by feedback of the state: b = −K(s) (ξ − ξ*(s))."""
+        """Update the phase, and the foothold by state feedback b = −K(s) (ξ − ξ*(s))."""
         place, speed = hip(dynamics, memory.stance[robots], walk.line)
         growth = self._period * self._config.hip_rate.upper / walk.duration
         self._synchronise(walk, phase_of(walk.hip, place), speed, growth)

@@ -1,1 +1,1 @@
-"""What walking controllers share: model, whole-body QP, modes, entry and observer."""
+"""Parts shared by walking controllers: model, whole-body QP, modes, entry and observer."""

@@ -1,7 +1,7 @@
 """Walking with a whole-body QP: entry, modes and stance are shared, the way of stepping differs.
 
-At zero velocity the robot stands on both feet. At another it sways into the sideways orbit and
-walks. Back at zero it steps until the capture point lies between the feet:
+At zero commanded velocity the robot stands on both feet. At any other it sways into the lateral
+orbit and walks. Back at zero it steps until the capture point lies between the feet:
 STAND → SWAY → WALK → STAND. Where a mode or a step ends is decided once per tick.
 
 The controller receives the true state, contact flags and a nominal model of the robot, or the
@@ -44,19 +44,19 @@ class Stepping(Protocol):
         """Forget the steps of ``count`` robots."""
 
     def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
+        """Track ``velocity`` (N, 3) from now on."""
 
     def orbit(self, velocity: np.ndarray, stance: np.ndarray) -> Orbit:
-        """Sideways orbits of first steps on the feet ``stance`` (n,) towards velocities (n, 3)."""
+        """Lateral orbits of first steps, stance feet ``stance`` (n,), towards velocities (n, 3)."""
         ...
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
     ) -> None:
-        """A new step on the feet ``stance`` (n,)."""
+        """Begin a new step with stance feet ``stance`` (n,)."""
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
+        """Whether the steps are over (n,); ``contact`` (n,) is that of the swing feet."""
         ...
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
@@ -101,7 +101,7 @@ class WalkingController:
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
         """Start in the first step of a walk on the left foot, at ``velocity`` (N, 3).
 
-        The foot is along x; a walk that turns has another ``heading`` (N,) [rad] there.
+        The stance foot points along x; in a turning walk the ``heading`` (N,) [rad] differs.
         """
         dynamics, count = self._start(state, velocity, heading), state.num_robots
         self.memory.mode[:] = WALK
@@ -116,13 +116,13 @@ class WalkingController:
         return self._plant.model.evaluate(state.qpos, state.qvel)
 
     def deactivate(self, robots: np.ndarray) -> None:
-        """Switch the drives of ``robots`` (N,) off and observe them no longer."""
+        """Switch off the drives of ``robots`` (N,) and stop observing them."""
         if self._observer is not None:
             self._observer.deactivate(robots)
         self.memory.mode[robots] = OFF
 
     def set_velocity(self, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
+        """Track ``velocity`` (N, 3) from now on."""
         self._stepping.set_velocity(self.memory, velocity)
 
     def control(self, state: RobotState) -> np.ndarray:
@@ -148,7 +148,7 @@ class WalkingController:
     def _drive(self, active: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:
         """Torques (n, 12) of the active robots, one mode after the other.
 
-        A robot that walks assumes its stance foot in contact.
+        While a robot walks, its stance foot is assumed to be in contact.
         """
         memory, sway = self.memory, self.memory.sway
         torques = np.zeros((len(active), names.NUM_JOINTS))
@@ -171,7 +171,7 @@ class WalkingController:
         return torques
 
     def _begin_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """A sway from here, towards the foot that is still in the air."""
+        """Begin a sway from the current state, towards the higher foot (one still in the air)."""
         places = dynamics.foot_positions[:, :, :2].swapaxes(0, 1)
         feet = np.stack([self.memory.to_heading(foot, robots) for foot in places], axis=1)
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
@@ -183,7 +183,7 @@ class WalkingController:
         scatter(self.memory.sway, robots, sway)
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
-        """Switch the robots that are due; ``contact`` (n, 2) of the feet."""
+        """Switch modes and steps that are over; ``contact`` (n, 2) is that of the feet."""
         memory = self.memory
         stands = memory.mode[robots] == STAND
         go = np.flatnonzero(stands & ~memory.commanded_to_stand(robots))
@@ -213,7 +213,7 @@ class WalkingController:
             self._stepping.begin(memory, robots[index], dynamics.take(index), stance)
 
     def _sway_ends(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """Whether they can take the first step (n,); those that took too long sway again."""
+        """Whether robots are due for the first step (n,); those out of time restart the sway."""
         sway = take(self.memory.sway, robots)
         position = self.memory.to_heading(dynamics.com[:, :2], robots)
         velocity = self.memory.to_heading(dynamics.com_velocity[:, :2], robots)
@@ -225,7 +225,7 @@ class WalkingController:
         return done
 
     def _can_stop(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """Where the capture point is between the feet and within their length."""
+        """Whether the capture point is between the feet and within their length (n,)."""
         capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._plant.omega
         feet = [self.memory.to_heading(dynamics.foot_positions[:, i, :2], robots) for i in FEET]
         place = self.memory.to_heading(capture, robots)

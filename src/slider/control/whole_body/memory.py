@@ -1,4 +1,4 @@
-"""State of a controller for N robots between ticks; its other parts have none.
+"""State of a controller for N robots between ticks; its other parts are stateless.
 
 Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (WALK) and OFF.
 """
@@ -18,7 +18,7 @@ FEET = np.array([LEFT, RIGHT])
 
 
 class Orbit(NamedTuple):
-    """Sideways orbits: distance from the foot at a step's end (n,) [m], time of a step (n,) [s]."""
+    """Lateral orbits: distance from the foot at a step's end (n,) [m], time of a step (n,) [s]."""
 
     end: np.ndarray
     time: np.ndarray
@@ -31,11 +31,11 @@ class Sway:
     Attributes:
         middle: (n, 2) point between the feet [m].
         side: (n,) +1 where the left foot is the first stance foot, −1 for the right one.
-        start: (n, 3) place [m] from the middle towards that foot, velocity and acceleration at
+        start: (n, 3) position [m] from the middle towards that foot, velocity and acceleration at
             the start.
-        ahead: (n,) forward place of the centre of mass from the middle at the start [m].
-        push: (n,) forward place of the centre of pressure from the middle [m].
-        speed: (n,) towards that foot in the middle, with which a step leads into the orbit [m/s].
+        ahead: (n,) forward position of the centre of mass from the middle at the start [m].
+        push: (n,) forward position of the centre of pressure from the middle [m].
+        speed: (n,) towards that foot in the middle, from which a step enters the orbit [m/s].
         end, time: of the :class:`Orbit` (n,).
         elapsed: (n,) [s].
     """
@@ -53,7 +53,7 @@ class Sway:
 
 @dataclass
 class Memory:
-    """Memory of N robots; arguments and results of methods are of some of them, ``robots`` (n,).
+    """Memory of N robots; methods take and return values of a subset, ``robots`` (n,).
 
     Attributes:
         velocity: (N, 3) commanded vx, vy [m/s], yaw rate [rad/s].
@@ -67,13 +67,13 @@ class Memory:
         swing: (N, 3, 3) reference of the swing foot.
         walked: time since the first step (N,) [s].
         steps: (N,) number of steps.
-        starts: (N, 2, 3) place of the centre of mass (2) [m] and ``walked`` at the starts of the
-            last two steps, the older one first.
-        correction: (N, 2) of the integral action, added to the reference velocity [m/s].
+        starts: (N, 2, 3) position of the centre of mass (2) [m] and ``walked`` at the starts of
+            the last two steps, the older one first.
+        correction: (N, 2) integral action, added to the reference velocity [m/s].
         previous: (N, 2) reference velocity when the commanded one last changed [m/s].
         changed: ``walked`` at that time (N,) [s].
-        target_yaw_rate: (N,) yaw rate [rad/s] to which that of ``velocity`` grows in a walk.
-        ground: under the N robots, as far as they receive it.
+        target_yaw_rate: (N,) yaw rate [rad/s] to which that of ``velocity`` ramps in a walk.
+        ground: under the N robots, as in the state that the controller receives.
     """
 
     velocity: np.ndarray
@@ -120,7 +120,7 @@ class Memory:
         )
 
     def forget_walk(self, robots: np.ndarray) -> None:
-        """As before the first step."""
+        """Reset to the values before the first step."""
         for values in (self.walked, self.steps, self.previous, self.changed, self.correction):
             values[robots] = 0
 
@@ -133,7 +133,7 @@ class Memory:
         return np.where(self.mode[robots] == WALK, self.velocity[robots, 2], 0.0)
 
     def rise(self, robots: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """Height (n,) [m] of the ground at places ``end`` (n, 2) over that at ``start`` (n, 2)."""
+        """Height (n,) [m] of the ground at points ``end`` (n, 2) above that at ``start`` (n, 2)."""
         ground = self.ground.of(robots)
         return ground.height(end, gaps=False) - ground.height(start, gaps=False)
 

@@ -26,7 +26,7 @@ _FLOATING, _BASE_TURN = 6, 3  # degrees of freedom of the base; from here on the
 
 @dataclass(frozen=True)
 class Dynamics:
-    """Terms of M q̈ + h = Sᵀτ + Jᵀf for n robots, and places of their parts.
+    """Terms of M q̈ + h = Sᵀτ + Jᵀf for n robots, and positions of their parts.
 
     Attributes:
         base_position: (n, 3) [m].
@@ -77,7 +77,7 @@ class NominalModel:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))
         self.mass = float(self.model.body_subtreemass[_BASE_BODY])
         self._damping = self.model.dof_damping.reshape(NUM_DOFS, -1)[:, 0].copy()
-        spec = mujoco.MjSpec()  # an empty world, the copies' names with a number before them
+        spec = mujoco.MjSpec()  # an empty world; names of the copies get their number as prefix
         for number in range(_COPIES):
             single = build_spec(robot, SimulationOptions(actuation="torque"))
             spec.option = single.option
@@ -102,7 +102,7 @@ class NominalModel:
         self._places = (
             np.array([copies.site(f"0_{names.sole(side)}").id for side in names.SIDES]),
             np.array([copies.body(f"0_{name}").id - 1 for name in bodies]),
-            # Without upper feet, which move no sole.
+            # Without upper feet, which do not move the soles.
             _FLOATING + np.reshape(names.driven_joints(robot.geometry), (2, -1)),
         )
         standing = self.evaluate(nominal_qpos(robot)[None], np.zeros((1, NUM_DOFS)))
@@ -117,7 +117,7 @@ class NominalModel:
         soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
         jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6))
         results = mass, bias, com, turn, soles, turns, jacobians, rates
-        for start in range(0, n, _COPIES):  # copies that are left over have terms of robots before
+        for start in range(0, n, _COPIES):  # unused copies keep terms of earlier robots
             count = min(_COPIES, n - start)
             self._qpos[:count] = qpos[start : start + count]
             self._qvel[:count] = qvel[start : start + count]
@@ -164,7 +164,7 @@ def _read(
     qvel: np.ndarray,
     results: _Arrays,
 ) -> None:
-    """Terms of the robots from ``start`` on, of as many as there are copies."""
+    """Read the terms of the robots from ``start`` on, at most as many as there are copies."""
     sparse, forces, coms, rotations, sites, site_rotations, twists, axes, rates = terms
     mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = results
     (rows, columns), (own_sites, bodies, legs) = entries, places
@@ -220,7 +220,7 @@ def _add_motion(
     column: np.ndarray,
     bias: np.ndarray,
 ) -> None:
-    """What one degree of freedom moves of a sole at ``offset`` with ``speed``; as ``mj_jac``."""
+    """A degree of freedom's Jacobian column for a sole, as ``mj_jac``, and part of the bias."""
     (axis, rate, velocity), turn, turn_rate = motion, motion[0][:3], motion[1][:3]
     for k in range(3):
         column[k], column[3 + k] = axis[3 + k] + _cross(turn, offset, k), turn[k]

@@ -1,9 +1,9 @@
-"""State observer: the state of the robot at the time when the drives receive the torques.
+"""State observer: predicts the state of the robot when the drives receive the torques.
 
 A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
-the torques that act now, moves its estimate towards what is measured, and simulates the torques
-that are still under way. It has the delay and the torques that it sent, but not the
-plant's masses, motors, friction and pushes.
+the torques that act now, corrects its estimate by the measurement, and simulates the torques that
+the delay still holds back. It knows the delay and the torques sent, but not the plant's masses,
+motors, friction and pushes.
 """
 
 from collections import deque
@@ -41,7 +41,7 @@ class Observer:
         self._robots = np.arange(count)
 
     def reset(self, measured: RobotState) -> None:
-        """Start from a measured state; the drives give no torque until the first ones arrive."""
+        """Start from a measured state; torques are zero until the first ones arrive."""
         self._qpos, self._qvel = measured.qpos, measured.qvel
         self._inactive = np.zeros(measured.num_robots, dtype=bool)
         none = np.zeros((len(self._robots), names.NUM_JOINTS))
@@ -49,11 +49,11 @@ class Observer:
         self._acting: np.ndarray | None = None
 
     def deactivate(self, robots: np.ndarray) -> None:
-        """Estimate the states of ``robots`` (N,) no longer."""
+        """Stop estimating the states of ``robots`` (N,)."""
         self._inactive |= robots
 
     def estimate(self, measured: RobotState) -> RobotState:
-        """The state at which the next torques will act, from the one that is measured now."""
+        """Predict the state in which the next torques will act, from the measured one."""
         if self._acting is not None:
             self._simulate([self._acting])
             position, velocity = self._config.position, self._config.velocity
@@ -62,7 +62,7 @@ class Observer:
             qpos[:, 3:7] = rotate(self._qpos[:, 3:7], position * turn)
             self._qpos = qpos
             self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
-        if not self._under_way:  # the contact flags are those that are measured
+        if not self._under_way:  # contact flags are the measured ones
             self._model.reset(self._robots, self._qpos, self._qvel)
             return replace(self._model.read(), foot_forces=measured.foot_forces)
         qpos, qvel = self._qpos, self._qvel
@@ -71,12 +71,12 @@ class Observer:
         return self._model.read()
 
     def send(self, torques: np.ndarray) -> None:
-        """Note the torques (N, 12) that were sent after the last estimate."""
+        """Store the torques (N, 12) that were sent after the last estimate."""
         self._under_way.append(torques)
         self._acting = self._under_way.popleft()
 
     def _simulate(self, inputs: Iterable[np.ndarray]) -> None:
-        """Let the estimate go on, one tick for each of the torques (N, 12)."""
+        """Advance the estimate by one tick for each of the torques (N, 12)."""
         self._model.reset(self._robots, self._qpos, self._qvel)
         self._model.deactivate(self._inactive)
         for torques in inputs:

@@ -31,7 +31,7 @@ J̇ q̇, and weight (r,)."""
 class Problem:
     """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper.
 
-    ``efforts`` (n, actuated, size + 1) gives those of the actuated joints from (y, 1).
+    ``efforts`` (n, actuated, size + 1) maps (y, 1) to the efforts of the actuated joints.
     """
 
     hessian: np.ndarray

@@ -35,7 +35,7 @@ def forward_end_velocity(omega: float, time: np.ndarray | float, mean: np.ndarra
 
 
 def lateral_end_velocity(omega: float, time: np.ndarray | float, width: float) -> np.ndarray:
-    """Speed (…) [m/s] away from the foot at the end of a step of the sideways orbit.
+    """Speed (…) [m/s] away from the foot at the end of a step of the lateral orbit.
 
     The orbit starts and ends half of ``width`` [m] beside the foot:
     v = ω (width/2) tanh(ω time / 2).
@@ -66,7 +66,7 @@ def quintic(
 
 
 class ReferenceVelocity:
-    """Reference velocity: on the way to the commanded one, with integral action.
+    """Reference velocity: a ramp to the commanded one, with integral action.
 
     ``period`` is that of a tick [s].
     """
@@ -75,12 +75,12 @@ class ReferenceVelocity:
         self._config, self._period = config, period
 
     def change(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on; the reference grows from where it is."""
+        """Track ``velocity`` (N, 3) from now on; the reference ramps from its current value."""
         changed = np.flatnonzero((velocity != memory.velocity).any(axis=1))
         memory.previous[changed] = self._on_the_way(memory, changed)
         memory.changed[changed] = memory.walked[changed]
         memory.correction[changed] = 0.0
-        # No velocity error of a stride in between.
+        # No velocity error of a stride in which the command changed.
         memory.steps[changed] = np.minimum(memory.steps[changed], 1)
         memory.velocity = velocity
 
@@ -89,7 +89,7 @@ class ReferenceVelocity:
         return self._on_the_way(memory, robots, ahead) + memory.correction[robots]
 
     def _on_the_way(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
-        """From the previous velocity with constant acceleration (n, 2) [m/s]."""
+        """Ramp (n, 2) [m/s] from the previous velocity with constant acceleration."""
         previous = memory.previous[robots]
         change = memory.velocity[robots, :2] - previous
         size = np.maximum(np.linalg.norm(change, axis=1), 1e-9)
@@ -98,7 +98,7 @@ class ReferenceVelocity:
         return previous + change * share[:, None]
 
     def correct(self, memory: Memory, robots: np.ndarray, com: np.ndarray) -> None:
-        """Add the velocity error of the last stride at the start of a step.
+        """Integrate the velocity error of the last stride at the start of a step.
 
         ``starts`` and ``correction`` of the memory change; ``robots`` (n,) are those that start a
         step, ``com`` (n, 2) their centres of mass [m], world.
@@ -106,7 +106,7 @@ class ReferenceVelocity:
         now = np.concatenate([com, memory.walked[robots, None]], axis=1)
         moved = now - memory.starts[robots, 0]
         memory.starts[robots] = np.stack([memory.starts[robots, 1], now], axis=1)
-        # Not in the first stride, nor while it brakes in order to stand.
+        # Not in the first stride, nor while the robot brakes in order to stand.
         valid = (memory.steps[robots] > 2) & ~memory.commanded_to_stand(robots)
         valid &= memory.walked[robots] - memory.changed[robots] >= self._config.integral_after
         halfway = memory.heading[robots] - 0.5 * memory.velocity[robots, 2] * moved[:, 2]
@@ -118,9 +118,9 @@ class ReferenceVelocity:
 
 
 class Entry:
-    """A sway in double support from rest into the sideways orbit, with a closed-loop exit.
+    """A sway in double support from rest into the lateral orbit, with a closed-loop exit.
 
-    It is towards the first stance foot, until a step leads into the orbit.
+    The robot sways towards the first stance foot, until a step leads into the orbit.
 
     ``omega`` is the natural frequency of the pendulum [rad/s], ``reach`` the forward distance from
     the middle within which a robot can come to a stop [m].
@@ -139,9 +139,9 @@ class Entry:
     ) -> Sway:
         """Sway of robots at rest at ``position`` (n, 2) for a forward ``speed`` (n,) [m/s].
 
-        ``feet`` (n, 2, 2) are the places of the feet [m]. With the lateral speed
-        v = ω (d cosh ωT − e)/sinh ωT in the middle, d beside the stance foot, the first step
-        ends e beside it, as steps of the ``orbit`` do; where these are not known (0), e = d. The
+        ``feet`` (n, 2, 2) are the positions of the feet [m]. With the lateral speed
+        v = ω (d cosh ωT − e)/sinh ωT in the middle, at d from the stance foot, the first step ends
+        at e from it, as steps of the ``orbit`` do; where the orbit is not known (0), e = d. The
         centre of pressure p lies behind the middle so that the pendulum, after the sway and a step
         on a foot in the middle, has the velocity at the end of the orbit's steps,
         v = −ω p (sinh ω(t + T) − sinh ωT), if ``push`` allows that.
@@ -160,12 +160,12 @@ class Entry:
         return Sway(middle, side, start, ahead, push, lateral, *orbit, np.zeros(len(middle)))
 
     def reference(self, sway: Sway) -> np.ndarray:
-        """Forward and leftward place from the middle, velocity, acceleration (n, 2, 3)."""
+        """Forward and leftward position from the middle, velocity, acceleration (n, 2, 3)."""
         sideways = sway.side[:, None] * self._sideways(sway)
         return np.stack([self._forward(sway), sideways], axis=1)
 
     def _forward(self, sway: Sway) -> np.ndarray:
-        """Pendulum from rest in the middle, and the way there from the start: (n, 3)."""
+        """Pendulum from rest in the middle, plus a quintic there from the start: (n, 3)."""
         omega, phase = self._omega, self._omega * sway.elapsed
         cosh, sinh = np.cosh(phase), np.sinh(phase)
         unit = np.stack([1 - cosh, -omega * sinh, -(omega**2) * cosh], axis=-1)
@@ -176,7 +176,7 @@ class Entry:
         return sway.push[:, None] * unit + there
 
     def _sideways(self, sway: Sway) -> np.ndarray:
-        """Quintic to the middle with the orbit's speed there, past its end straight on: (n, 3)."""
+        """Quintic to the middle with the orbit's speed there, then constant velocity: (n, 3)."""
         duration = np.full(len(sway.elapsed), self._config.duration)
         goal = np.zeros((len(duration), 3))
         goal[:, 1] = sway.speed
@@ -188,12 +188,12 @@ class Entry:
     def done(
         self, sway: Sway, position: np.ndarray, velocity: np.ndarray, foot: np.ndarray
     ) -> np.ndarray:
-        """Whether robots can take their first step, or have to (n,).
+        """Whether robots can take their first step, or must (n,).
 
-        They can, when a step from here ends where those of the orbit end or nearer to the stance
-        foot, and the centre of mass goes forward as planned. They have to, when the capture point
-        x + ẋ/ω is further off the planned one than the shorter end of the foot, or their time is
-        over and it is beyond that.
+        They can if a step from here ends where those of the orbit end or nearer to the stance
+        foot, and the centre of mass moves forward as planned. They must if the capture point
+        x + ẋ/ω is further than ``reach`` from the planned one, or if their time is over and it is
+        further than that from the middle.
 
         ``position`` and ``velocity`` are those of the centre of mass (n, 2) [m], [m/s], ``foot`` is
         the first stance foot (n, 2) [m].
@@ -213,7 +213,7 @@ class Entry:
         return sway.elapsed > self._config.duration + self._config.patience
 
     def restart(self, sway: Sway, position: np.ndarray, velocity: np.ndarray) -> None:
-        """Sway again, on the spot and from here (n, 2), (n, 2), where time is over."""
+        """Restart the sway in place, from ``position`` and ``velocity`` (n, 2), if out of time."""
         again = self._late(sway)
         ahead, sideways = (position - sway.middle).T
         sway.ahead[again] = ahead[again]

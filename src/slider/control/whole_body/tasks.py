@@ -1,6 +1,6 @@
 """Tasks of the whole-body QP: desired accelerations of the parts of the body.
 
-Torques are (n, 12) [N m or N]; with them goes whether the QP has a solution (n,).
+Torques are (n, 12) [N m or N], returned with a flag whether the QP has a solution (n,).
 """
 
 import numpy as np
@@ -18,10 +18,10 @@ Solved = tuple[np.ndarray, np.ndarray]
 
 
 class BodyControl:
-    """Turns references of n nominal robots into torques; on both feet for all ways of stepping.
+    """Turns references of n nominal robots into torques; all ways of stepping share it.
 
-    ``search`` is the velocity at which feet without contact sink [m/s], ``height`` that of the
-    pendulum [m].
+    ``search`` is the velocity at which feet without contact sink [m/s], ``height`` the height of
+    the pendulum [m].
     """
 
     def __init__(
@@ -39,10 +39,10 @@ class BodyControl:
         contact: np.ndarray,
         desired: np.ndarray,
     ) -> Solved:
-        """Centre of mass as ``desired``; feet without ``contact`` (n, 2) search the ground.
+        """Centre of mass as ``desired``; feet without ``contact`` (n, 2) search for the ground.
 
-        ``desired`` (n, 2, 3): forward and leftward place from the middle of the feet [m], velocity,
-        acceleration.
+        ``desired`` (n, 2, 3): forward and leftward position from the middle of the feet [m],
+        velocity, acceleration.
         """
         position = memory.to_heading(dynamics.com[:, :2], robots)
         velocity = memory.to_heading(dynamics.com_velocity[:, :2], robots)
@@ -70,9 +70,9 @@ class BodyControl:
         weight: np.ndarray,
         climb: np.ndarray | float = 0.0,
     ) -> list[Task]:
-        """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base.
+        """Tasks of base and centre of mass, with horizontal acceleration ``flat`` (n, 2).
 
-        The ground under it rises by ``climb`` (n,) [m/s].
+        The ground height ``ground`` (n,) [m] under the centre of mass rises by ``climb`` [m/s].
         """
         task = self._config.com
         error = self._height - (dynamics.com[:, 2] - ground)
@@ -91,9 +91,9 @@ class BodyControl:
         loaded: np.ndarray,
         idle: np.ndarray | None = None,
     ) -> Solved:
-        """Torques for ``tasks`` on ``feet`` (n, k), of which those ``loaded`` carry.
+        """Torques for ``tasks`` on ``feet`` (n, k); only ``loaded`` ones have contact forces.
 
-        Motors that are ``idle`` (n, m) have none.
+        Motors that are ``idle`` (n, m) have no torque.
         """
         return self._whole_body.solve(self._whole_body.build(dynamics, tasks, feet, loaded, idle))
 
@@ -175,7 +175,7 @@ def _stance(
 
 
 def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
-    """World axes (…, 2, 3) about which a foot pitches and yaws: level and leftward, vertical."""
+    """World axes (…, 2, 3) about which a foot pitches and yaws: horizontal leftward, vertical."""
     along = rotation[..., :2, 0] / np.linalg.norm(rotation[..., :2, 0], axis=-1, keepdims=True)
     axes = np.zeros((*rotation.shape[:-2], 2, 3))
     axes[..., 0, 0], axes[..., 0, 1] = -along[..., 1], along[..., 0]

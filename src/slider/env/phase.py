@@ -51,7 +51,7 @@ class Clock:
         Args:
             command: (N, ≥ 3) vx, vy [m/s], yaw rate [rad/s].
             reference: velocities (N, 2) [m/s]; the yaw rate is the commanded one.
-            mean_speed, speed: of the base, low-passed and now (N,) [m/s].
+            mean_speed, speed: filtered and current speed of the base (N,) [m/s].
         """
         step_time = self._times.at(gait_velocity_of(reference, command))
         phase = self.phase + self._period / (2.0 * step_time)

@@ -157,7 +157,7 @@ class View:
         command: (N, 4) vx, vy [m/s], yaw rate [rad/s], heading error [rad].
         action, previous_action: (N, 12) unscaled, unmirrored.
         action_scale: (12,) joint motion of an action of 1 [rad or m].
-        filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
+        filtered_velocity: (N, 2) low-pass filtered forward and leftward velocity [m/s].
         reference_velocity: (N, 2) rate-limited commanded velocity [m/s].
         expected_velocity: (N, 2) reference_velocity, filtered like filtered_velocity [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.

@@ -37,7 +37,7 @@ _LONG = 1.5  # half the width of bars, and half the length of the first and the 
 _PATCH = (0.14, 0.14)  # half the size of the tangent plane under a foot [m]
 _ALONG = np.linspace(0.0, 1.0, 5)  # points along a foot that must be above the ground
 _LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half of 20 ms [s]
-DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, place (2)
+DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, position (2)
 
 
 def magnitude(kind: str, level: float) -> str:

@@ -83,7 +83,7 @@ class AgentInterface:
         """Reset the history of robots ``index``.
 
         Args:
-            index, state: robots to reset; state of all robots at their new start.
+            index, state: robots to reset; state of all robots after that.
             phase: initial phase of the clock, (n,) or one for all.
             velocity: initial reference and filtered velocity (n, 2) [m/s], or one value for all.
             heading: target (n,) [rad]; the current yaw if not given.

@@ -207,7 +207,7 @@ def reference_velocity(view: View) -> Array:
 def velocity_error(view: View) -> Array:
     """tanh((filtered_velocity - expected) / (0.2 m/s)).
 
-    expected is reference_velocity with the filter and the start of filtered_velocity. The term is
+    expected is reference_velocity, filtered like filtered_velocity from 0 at the start. The term is
     almost redundant, but networks are slow to learn small differences of large inputs.
     """
     error = view.filtered_velocity - view.expected_velocity

@@ -210,7 +210,7 @@ def clf_decrease(
 
 @reward()
 def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> Array:
-    """At zero command: share of feet that carry over ``loaded``, times exp(−‖q̇‖²/width); else 0."""
+    """At zero command: share of feet above ``loaded``, times exp(−‖q̇‖²/width); else 0."""
     share = (1.0 * (r.state.foot_forces > loaded)).mean(dim=1)
     speed = (r.state.joint_velocities**2).sum(dim=1)
     return standing(r.view.command) * share * _kernel(speed, width)

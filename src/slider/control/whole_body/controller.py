@@ -183,7 +183,7 @@ class WalkingController:
         scatter(self.memory.sway, robots, sway)
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
-        """Switch modes and steps that are over; ``contact`` (n, 2) is that of the feet."""
+        """Switch modes and steps that are due; ``contact`` (n, 2) is that of the feet."""
         memory = self.memory
         stands = memory.mode[robots] == STAND
         go = np.flatnonzero(stands & ~memory.commanded_to_stand(robots))

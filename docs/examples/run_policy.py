@@ -90,8 +90,8 @@ class Simulation:
         """Inertial unit, encoders, motor torques; the last two are the true state."""
         return {
             "quaternion": self.data.qpos[3:7],
-            "angular_velocity": self.data.qvel[3:6],  # MuJoCo turns in axes of the base
-            "velocity_increment": self.increment,  # of the specific force, in axes of the base
+            "angular_velocity": self.data.qvel[3:6],  # in the base frame, as MuJoCo has it
+            "velocity_increment": self.increment,  # of the specific force, in the base frame
             "joint_positions": self.data.qpos[self.places],
             "joint_velocities": self.data.qvel[self.rates],
             "motor_torques": self.torques,  # mean of the control period

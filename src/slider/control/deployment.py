@@ -63,7 +63,7 @@ def readings(robot: RobotConfig, env: EnvConfig) -> dict[str, Reading]:
     return {
         **_measured(robot),
         "linear_velocity": Reading(
-            "m/s", "velocity of the base's origin, in axes of the base", [0.0] * 3
+            "m/s", "velocity of the base's origin, in the base frame", [0.0] * 3
         ),
         "height": Reading("m", "of the base's origin above the ground under the feet", [height]),
         "height_scan": Reading(
@@ -83,7 +83,7 @@ def _measured(robot: RobotConfig) -> dict[str, Reading]:
     nominal = nominal_qpos(robot)[7:].tolist()
     return {
         "quaternion": Reading("-", "attitude, base to world: w, x, y, z", [1.0, 0.0, 0.0, 0.0]),
-        "angular_velocity": Reading("rad/s", "of the base, in axes of the base", [0.0] * 3),
+        "angular_velocity": Reading("rad/s", "of the base, in the base frame", [0.0] * 3),
         "joint_positions": Reading("rad or m", "in the order of joints", nominal),
         "joint_velocities": Reading("rad/s or m/s", "in the order of joints", [0.0] * NUM_JOINTS),
     }
@@ -177,17 +177,17 @@ def estimator_step(robot: RobotConfig, config: EstimatorConfig) -> Step:
         **_measured(robot),
         "motor_torques": Reading(
             "N m",
-            "mean since the last reading, in the order of motors; with it goes the velocity "
-            "increment",
+            "mean since the last reading, in the order of motors; over the same interval as "
+            "velocity_increment",
             [0.0] * len(motor_names(robot.geometry)),
         ),
         "velocity_increment": Reading(
             "m/s",
-            "integral of the specific force since the last reading, in axes of the base: at rest "
+            "integral of the specific force since the last reading, in the base frame: at rest "
             "gravity times elapsed, upwards",
             [0.0] * 3,
         ),
-        "elapsed": Reading("s", "since the last reading; of no account at the first", [0.0]),
+        "elapsed": Reading("s", "since the last reading; ignored at the first", [0.0]),
     }
 
     def step(fresh: torch.Tensor, now: Tensors, memory: Tensors) -> tuple[Tensors, Tensors]:

@@ -36,11 +36,11 @@ _PROCEDURE = [
     "start: state = zeros (1, state_size); the robot stands in the default joint positions",
     "every control_period: call the graph with the inputs, each (1, size), and the state; apply "
     "the joint targets; keep next_state for the next call. All are float64",
-    "stopped, started again, or several periods late: begin with zeros again",
-    "targets are held for one control period by the motors: motor m goes to angle = sum of "
+    "after a stop, a restart or a delay of several periods: reset the state to zeros",
+    "targets are held for one control period by the motors: motor m tracks angle = sum of "
     "joints[name] * target[name], with torque kp * (angle - own angle) - kd * own speed, at most "
     "torque_limit in size and within the line from stall_torque at rest to 0 at no_load_speed",
-    "an input that is not a number counts as the one before it",
+    "an input that is not a number is replaced by the one before it",
 ]
 
 
@@ -64,7 +64,7 @@ def describe(policy: Policy, provenance: dict[str, Any], graphs: dict[str, Step]
             "timestep": env.physics.timestep,
             "mujoco": OLDEST_MUJOCO,
             "base_height": float(nominal_qpos(policy.robot)[2]),
-            "actuators": "have the names of motors and take their angles",
+            "actuators": "are named like the motors; their control is the motor's angle",
         },
         "network": {"hidden": list(policy.hidden), "activation": policy.activation},
         "observation": _terms(policy),

@@ -19,17 +19,19 @@ CSV, MARKDOWN = "stability.csv", "stability.md"
 QUANTITIES: dict[str, Quantity] = {
     "phase": Quantity("hip or time", "-"),
     "spectral_radius": Quantity("of the return map, without foot placement", "1/step"),
-    "eigenvalues": Quantity("moduli of its multipliers that are not zero", "1/step"),
-    "closed_eigenvalues": Quantity("the same with foot placement", "1/step"),
-    "closed_spectral_radius": Quantity("the greatest of these", "1/step"),
+    "eigenvalues": Quantity("moduli of its nonzero Floquet multipliers", "1/step"),
+    "closed_eigenvalues": Quantity(
+        "moduli of the nonzero multipliers with foot placement", "1/step"
+    ),
+    "closed_spectral_radius": Quantity("spectral radius with foot placement", "1/step"),
     "gain_position": Quantity(
         "displacement of the right foot to the left per lateral position, at the start", "-"
     ),
-    "gain_lateral": Quantity("the same per lateral velocity", "s"),
-    "gain_forward": Quantity("its displacement forward per forward velocity", "s"),
+    "gain_lateral": Quantity("the same displacement per lateral velocity", "s"),
+    "gain_forward": Quantity("displacement of the foot forward per forward velocity", "s"),
     "hip_share": Quantity("least forward velocity of the hip, share of its mean", "-"),
     "decoupling": Quantity("least singular value of the decoupling matrix", "rad/s², m/s²"),
-    "condition": Quantity("its greatest condition number", "-"),
+    "condition": Quantity("greatest condition number of the decoupling matrix", "-"),
 }
 """Unit and meaning of each column."""
 _OVER_SPEED = (

@@ -53,8 +53,8 @@ class Panel(plugin.ViewerPlugin):
         actions = {
             "stand": control.stop,
             "push": lambda: control.push(0.0, PUSH),
-            "go on" if control.paused else "pause": control.toggle_pause,
-            "start anew": control.restart,
+            "resume" if control.paused else "pause": control.toggle_pause,
+            "restart": control.restart,
             "camera": control.next_camera,
         }
         for index, (name, action) in enumerate(actions.items()):

@@ -23,7 +23,7 @@ from slider.robot.scene import aim, build_scene
 _HELP = """keys: up, down     faster, slower            left, right   turn
       , .          left, right (sideways)    Home          stand
       Enter        push                      Space         pause
-      Backspace    start anew                End           next camera
+      Backspace    restart                   End           next camera
       Esc          close the window"""
 
 _DISTANCE = 2.5  # of the camera from SLIDER [m]

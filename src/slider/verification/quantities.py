@@ -33,8 +33,12 @@ def worst(rows: Sequence[Mapping[str, ArrayLike]]) -> dict[str, float]:
 
 QUANTITIES: dict[str, Checked] = {
     "dynamics_torque": Checked(1, "stored torques of the knee's joints against pinocchio's", "N m"),
-    "dynamics_efforts": Checked(1, "stored efforts of the slide's joints, the same", "N m, N"),
-    "dynamics_base": Checked(1, "what the stored ground wrench leaves on the base", "N, N m"),
+    "dynamics_efforts": Checked(
+        1, "stored efforts of the slide's joints against pinocchio's", "N m, N"
+    ),
+    "dynamics_base": Checked(
+        1, "residual wrench on the base under the stored ground wrench", "N, N m"
+    ),
     "dynamics_line_moment": Checked(
         1, "stored moment about the foot line or the ankle's roll", "N m"
     ),
@@ -43,10 +47,14 @@ QUANTITIES: dict[str, Checked] = {
     "mean_velocity": Checked(3, "displacement over the walk against the velocity", "m/s"),
     "periodicity": Checked(3, "jump of joints and base at the touchdowns", "rad, m"),
     "roll_end": Checked(4, "collocated roll against DOP853 at the end of a step", "rad"),
-    "roll_rate_end": Checked(4, "the same for the roll rate", "rad/s"),
+    "roll_rate_end": Checked(
+        4, "collocated roll rate against DOP853 at the end of a step", "rad/s"
+    ),
     "roll_worst": Checked(4, "collocated roll against DOP853 at all nodes", "rad"),
-    "plant_force": Checked(5, "force that the stored ground wrench leaves on MuJoCo's base", "N"),
-    "plant_moment": Checked(5, "moment that it leaves there", "N m"),
+    "plant_force": Checked(
+        5, "residual force on MuJoCo's base under the stored ground wrench", "N"
+    ),
+    "plant_moment": Checked(5, "residual moment on MuJoCo's base under that wrench", "N m"),
     "plant_efforts": Checked(5, "stored efforts against MuJoCo's", "N m, N"),
     "plant_cop": Checked(5, "centre of pressure as a share of the foot, by MuJoCo", "-"),
     "plant_torque": Checked(5, "motor torques as a share of their limits, by MuJoCo", "-"),

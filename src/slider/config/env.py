@@ -1,4 +1,4 @@
-"""Typed settings of the simulated environment, and of what disturbs the robots in it.
+"""Typed settings of the simulated environment and of its disturbances.
 
 See ``docs/how-to/disturb.md``.
 """
@@ -15,26 +15,26 @@ _Impedance = Annotated[t.Share, Field(gt=0, lt=1)]
 
 
 class SoleContact(t.Group):
-    """Softness of the feet on the ground, as MuJoCo's ``solref`` and ``solimp`` have it."""
+    """Softness of foot-ground contact: MuJoCo's ``solref`` and ``solimp``."""
 
     time_constant: t.Positive[t.Seconds]
-    """in which a foot that has sunk in comes up, critically damped; two timesteps or more"""
+    """time constant of solref, critically damped; at least two timesteps"""
     impedance: tuple[_Impedance, _Impedance]
-    """share of a foot's acceleration that is taken away: at the surface and at ``depth``"""
+    """impedance of solimp at the surface and at ``depth``"""
     depth: t.Positive[t.Metres]
-    """at which the impedance is the second one"""
+    """penetration at which the impedance reaches its second value"""
 
 
 class PhysicsConfig(t.Group):
-    """Simulation step, its repetitions per control step, solver iterations and contact."""
+    """Time step, number of substeps per control step, solver iterations and contact."""
 
     timestep: t.Positive[t.Seconds]
     substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control step"""
     solver_iterations: Annotated[t.Count, Field(le=10_000)]
-    """greatest number of iterations of the contact solver"""
+    """maximum number of iterations of the contact solver"""
     line_search_iterations: Annotated[t.Count, Field(le=10_000)]
-    """greatest number of iterations of its line search"""
+    """maximum number of iterations of the solver's line search"""
     contact: SoleContact
 
     def __post_init__(self) -> None:
@@ -47,23 +47,23 @@ class ActionConfig(t.Group):
     """Desired joint position = origin + scale · clip(action)."""
 
     offset: Literal["nominal", "gait"]
-    """origin: the nominal pose, or the gait of the reference velocity at the clock's phase"""
+    """origin: the nominal pose, or the gait at the reference velocity and the clock's phase"""
     clip: t.Positive[t.Number]
     """bound of |action|"""
     scale: dict[str, Annotated[t.NonNegative[t.Number], t.Unit("rad | m")]]
-    """per leg joint"""
+    """scale of the action, per leg joint"""
 
     def __post_init__(self) -> None:
         t.complete("scale", self.scale, HIP_JOINTS + BELOW_HIP)
 
 
 class HeightScan(t.Group):
-    """Grid of points around the base at which ground height is measured."""
+    """Grid of points around the base at which the ground height is measured."""
 
     points_x: Annotated[t.Count, Field(le=1000)]
     points_y: Annotated[t.Count, Field(le=1000)]
     spacing: t.Positive[t.Metres]
-    """distance of neighbouring points"""
+    """distance between neighbouring points"""
 
 
 class ObservationConfig(t.Group):
@@ -75,28 +75,28 @@ class ObservationConfig(t.Group):
     """bound of |observation|, after scaling"""
     height_scan: HeightScan
     velocity_filter: t.Seconds
-    """time constant of filtered velocities and of their reference; 0: not filtered"""
+    """time constant of the low-pass filter on velocities and their reference; 0: no filter"""
 
     def filter_gain(self, period: float) -> float:
-        """Share of the way that filtered velocities go per control period [s]."""
+        """Gain of the first-order velocity filter for a control period [s]."""
         return period / max(period, self.velocity_filter)
 
 
 class ReferenceConfig(t.Group):
-    """The velocity that goes from one commanded velocity to the next.
+    """The reference velocity, which ramps from one commanded velocity to the next.
 
-    Clock, guide and the gait under the actions are those of the reference velocity.
+    It determines the clock, the gait of the guide and the gait that actions are offset by.
     """
 
     acceleration: t.MetresPerSecond2
-    """with which it goes to the commanded velocity, along x and y; 0: at once"""
+    """acceleration of the reference towards the command, along x and y; 0: immediate change"""
 
 
 class SensorsConfig(t.Group):
-    """Errors of encoders, inertial unit, motor currents and height scan.
+    """Errors of encoders, IMU, motor currents and height scan.
 
-    All are standard deviations but ``scan_drop_out`` and ``scan_delay``. White noise is drawn at
-    each reading, a bias once per episode.
+    All are standard deviations, except ``scan_drop_out`` and ``scan_delay``. White noise is drawn
+    at each reading, a bias once per episode.
     """
 
     joint_position: t.NonNegative[t.Radians]
@@ -104,51 +104,51 @@ class SensorsConfig(t.Group):
     joint_velocity: t.NonNegative[t.RadiansPerSecond]
     slide_velocity: t.NonNegative[t.MetresPerSecond]
     joint_bias: t.NonNegative[t.Radians]
-    """of encoder zeros; slides have none"""
+    """bias of encoder zeros; slides have none"""
     angular_velocity: t.NonNegative[t.RadiansPerSecond]
     angular_velocity_bias: t.NonNegative[t.RadiansPerSecond]
     orientation: t.NonNegative[t.Radians]
-    """of the inertial unit about each axis"""
+    """white noise of the IMU's orientation, about each axis"""
     tilt_bias: t.NonNegative[t.Radians]
-    """of roll and pitch"""
+    """bias of roll and pitch"""
     heading_drift: t.NonNegative[t.RadiansPerSecond]
-    """rate at which the heading goes astray"""
+    """drift rate of the heading"""
     velocity_increment: t.NonNegative[t.MetresPerSecond]
-    """of the inertial unit's velocity increments over a second"""
+    """white noise of the IMU's velocity increments, accumulated over one second"""
     acceleration_bias: t.NonNegative[t.MetresPerSecond2]
     torque: t.NonNegative[t.Factor]
     """error of each motor's torque constant"""
     scan: t.NonNegative[t.Metres]
-    """of each point of the height scan"""
+    """white noise of each point of the height scan"""
     scan_bias: t.NonNegative[t.Metres]
-    """of the whole scan"""
+    """bias common to all points of the scan"""
     scan_drop_out: t.Share
-    """of its points, which read the ground under the feet"""
+    """share of dropped-out points, which return the ground height under the feet"""
     scan_delay: t.Seconds
-    """by which the map under the scan is late: it is off by this times the velocity"""
+    """latency of the map behind the scan, which displaces it by scan_delay × velocity"""
 
 
 class EstimatorConfig(t.Group):
     """Kalman filter of velocity and height; see ``slider.env.estimator``."""
 
     acceleration: t.Positive[t.MetresPerSecond2]
-    """standard deviation of the acceleration by the inertial unit, white"""
+    """standard deviation of the IMU's acceleration, white noise"""
     bias_time: t.Positive[t.Seconds]
-    """time constant of its bias, the tilt's included"""
+    """time constant of the acceleration bias, including the effect of a tilt bias"""
     vertical_velocity: t.Positive[t.MetresPerSecond]
-    """standard deviation of the vertical velocity that the height is predicted with"""
+    """standard deviation of the vertical velocity in the prediction of the height"""
     leg_velocity: t.Positive[t.MetresPerSecond]
-    """standard deviation of the velocity by a leg that carries the robot"""
+    """standard deviation of the base velocity measured by the odometry of a stance leg"""
     leg_height: t.Positive[t.Metres]
-    """standard deviation of the height by a leg that carries the robot"""
+    """standard deviation of the base height measured by a stance leg"""
     slip: t.Positive[t.MetresPerSecond]
-    """a foot that appears to slip at this speed counts half"""
+    """apparent slip velocity at which a foot gets half the weight"""
     lifted: t.Share
-    """of the weight: a foot that carries less is in the air"""
+    """share of the robot's weight: a foot that carries less is in the air"""
     loaded: t.Share
-    """of the weight: a foot that carries more stands"""
+    """share of the robot's weight: a foot that carries more is fully in stance"""
     force_filter: t.Seconds
-    """time constant of the feet's forces"""
+    """time constant of the low-pass filter on foot forces"""
 
 
 class OnboardConfig(t.Group):
@@ -165,11 +165,11 @@ class TerminationConfig(t.Group):
     """What ends an episode."""
 
     terms: dict[str, float]
-    """parameter of the active termination term, which says its bounds"""
+    """parameter of the active termination term; the term defines its bounds"""
 
 
 class StartNoise(t.Group):
-    """Standard deviations of a robot's start about the nominal pose at rest."""
+    """Standard deviations of a robot's initial state around the nominal pose at rest."""
 
     joint_position: t.NonNegative[t.Radians]
     slide_position: t.NonNegative[t.Metres]
@@ -180,21 +180,21 @@ class StartNoise(t.Group):
 
 
 class HaltConfig(t.Group):
-    """At zero velocity the clock stays at the next change of feet, both of them on the ground."""
+    """At zero command the clock halts at the next change of stance foot, in double support."""
 
     below: t.NonNegative[t.MetresPerSecond]
-    """it stays once the low-passed velocity is less than this; 0: never, step in place"""
+    """the clock halts once the low-passed velocity is below this; 0: never, step in place"""
     above: t.NonNegative[t.MetresPerSecond]
-    """it runs on when the velocity is more than this: the robot tips over"""
+    """the clock runs again when the velocity reaches this: the robot is tipping over"""
 
 
 class PhaseConfig(t.Group):
-    """Clock that runs through the two steps of a walk."""
+    """Phase clock of the gait cycle, which consists of two steps."""
 
     enabled: bool
     """whether there is a clock"""
     mirror: bool
-    """reflect observation and action in right stance: the network sees left stance only"""
+    """mirror observation and action in right stance: the network sees left stance only"""
     step_time: t.Seconds
     """fixed duration of a step; 0: that of the gait library at the reference velocity"""
     halt: Annotated[HaltConfig, t.ordered("below", "above")]
@@ -208,7 +208,7 @@ class PlantConfig(t.Group):
     """The part of an environment that does not depend on who controls the robot."""
 
     control_period: t.Positive[t.Seconds]
-    """time between two outputs of the policy; timestep × substeps"""
+    """control period of the policy; equals timestep × substeps"""
     physics: PhysicsConfig
     termination: TerminationConfig
     onboard: OnboardConfig | None = None
@@ -221,12 +221,12 @@ class PlantConfig(t.Group):
 
     @property
     def estimation(self) -> OnboardConfig | None:
-        """Sensors and estimator, if controllers receive their estimate."""
+        """Sensors and estimator, if controllers receive the estimated state."""
         return self.onboard
 
 
 class EnvConfig(PlantConfig, kw_only=True):
-    """Observations and actions of a policy, and what ends an episode."""
+    """Observations and actions of a policy, and the termination of episodes."""
 
     reference: ReferenceConfig
     action: ActionConfig
@@ -234,7 +234,7 @@ class EnvConfig(PlantConfig, kw_only=True):
     phase: PhaseConfig
     start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))
     sensing: Sensing = "true_state"
-    """what agents receive: the true state, or its estimate from sensors on board"""
+    """state that the policy receives: the true one, or the estimate from onboard sensors"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -243,23 +243,23 @@ class EnvConfig(PlantConfig, kw_only=True):
 
     @property
     def estimation(self) -> OnboardConfig | None:
-        """Sensors and estimator, if controllers receive their estimate."""
+        """Sensors and estimator, if controllers receive the estimated state."""
         return self.onboard if self.sensing == "onboard" else None
 
     @property
     def estimator(self) -> EstimatorConfig:
-        """The estimator on board, also of robots whose controllers receive the true state."""
+        """The onboard estimator, even if controllers receive the true state."""
         assert self.onboard is not None, "validated"
         return self.onboard.estimator
 
     @property
     def plant(self) -> PlantConfig:
-        """The part for controllers other than the policy."""
+        """The settings that apply to controllers other than the policy."""
         return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)
 
 
 class SensingConfig(t.Group):
-    """Standard deviations of white noise on what a controller receives about the robot."""
+    """Standard deviations of white noise on the robot state that a controller receives."""
 
     joint_position: t.NonNegative[t.Radians]
     slide_position: t.NonNegative[t.Metres]
@@ -267,7 +267,7 @@ class SensingConfig(t.Group):
     slide_velocity: t.NonNegative[t.MetresPerSecond]
     angular_velocity: t.NonNegative[t.RadiansPerSecond]
     orientation: t.NonNegative[t.Radians]
-    """of the base about each axis, and with it the direction of gravity"""
+    """noise of the base orientation about each axis, and thus of the projected gravity"""
     linear_velocity: t.NonNegative[t.MetresPerSecond]
     base_height: t.NonNegative[t.Metres]
 
@@ -277,16 +277,16 @@ PhysicsTime = Annotated[t.Seconds, t.Multiple("env.physics.timestep")]
 
 
 class PushConfig(t.Group):
-    """A horizontal force on the base, at regular times."""
+    """Horizontal force on the base at regular intervals."""
 
     impulse: t.Interval[t.NonNegative[t.NewtonSeconds]]
-    """force times duration, drawn anew for each push; 0: no pushes"""
+    """force × duration, drawn for each push; 0: no pushes"""
     duration: ControlTime
-    """of a push"""
+    """duration of a push"""
     interval: ControlTime
-    """time from the start and between pushes"""
+    """time before the first push and between pushes"""
     direction: t.Radians | None
-    """from the world's x axis, along which robots start, to y; null: drawn anew for each push"""
+    """angle from the world's x axis (initial heading) towards y; null: drawn for each push"""
 
 
 TerrainKind = Literal[
@@ -306,32 +306,32 @@ Level = Annotated[float, t.Unit("-"), Field(ge=0, le=20)]
 
 
 class TerrainConfig(t.Group):
-    """Ground under the robots; ``slider.env.terrain`` has what a level is of each kind."""
+    """Ground under the robots; ``slider.env.terrain`` defines the levels of each kind."""
 
     kinds: t.Some[TerrainKind]
-    """of the robots in turn"""
+    """kinds of terrain, assigned to the robots in turn"""
     level: t.Interval[Level]
-    """drawn per robot and episode"""
+    """level, drawn per robot and episode"""
     curriculum: bool
-    """in trainings, in place of that: from ``lower`` one up after an episode of 1 m without a fall,
-    one down after a fall; beyond ``upper`` drawn"""
+    """in trainings only: levels start at ``lower``, go one up after an episode of 1 m without a
+    fall and one down after a fall, and are drawn at random beyond ``upper``"""
 
 
 class DisturbanceConfig(t.Group):
-    """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
+    """Domain randomisation, drawn uniformly per robot and episode, with noise, pushes, terrain."""
 
     sensing: SensingConfig
     delay: t.Interval[PhysicsTime]
-    """from the controller's output to the drives"""
+    """actuation delay, from the controller's output to the drives"""
     motor_gain: t.Interval[t.Positive[t.Factor]]
-    """achieved over demanded torque, each drive its own"""
+    """ratio of achieved to commanded torque, drawn for each drive"""
     mass: t.Interval[t.Positive[t.Factor]]
-    """of all links over the nominal one, one value per robot"""
+    """factor on the nominal masses, one value for all links of a robot"""
     centre_of_mass: t.NonNegative[t.Metres]
-    """of the base: largest shift along each axis"""
+    """largest shift of the base's centre of mass along each axis"""
     friction: t.Interval[t.Positive[t.Factor]] | None
-    """of the feet on the ground; null: robot.contact.friction"""
+    """friction coefficient of the feet on the ground; null: robot.contact.friction"""
     payload: t.Interval[t.Kilograms]
-    """added to the base at its centre of mass"""
+    """mass added to the base at its centre of mass"""
     push: Annotated[PushConfig, t.ordered("duration", "interval", strict=True)]
     terrain: TerrainConfig

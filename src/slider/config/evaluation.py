@@ -1,4 +1,4 @@
-"""Typed settings of evaluations: protocols, seeds, gauge, search for settings, report.
+"""Typed settings of evaluations: protocols, seeds, gauge, hyperparameter search, report.
 
 See ``docs/how-to/gauge.md`` and ``docs/explanation/baseline.md``.
 """
@@ -26,17 +26,17 @@ class SpeedsConfig(t.Group):
     """Commanded forward velocities that several parts of the configuration share."""
 
     table1: t.Distinct[t.Some[t.MetresPerSecond]]
-    """of Table 1"""
+    """commanded forward velocities of Table 1"""
     top: t.Positive[t.MetresPerSecond]
-    """the highest one, of gaits, trainings and the viewer"""
+    """highest forward velocity of gaits, trainings and the viewer"""
 
 
 class Segment(t.Group):
-    """A constant velocity, until the next segment."""
+    """Constant commanded velocity until the next segment starts."""
 
     name: t.Name
     time: t.Seconds
-    """from when on"""
+    """start of the segment"""
     vx: t.MetresPerSecond
     vy: t.MetresPerSecond = 0.0
     yaw_rate: t.RadiansPerSecond = 0.0
@@ -54,14 +54,14 @@ _Segments = Annotated[
 
 
 class CaseConfig(t.Group):
-    """One rollout: its segments in the order of time, the first one from 0 s on."""
+    """One rollout: its segments in chronological order, the first starting at 0 s."""
 
     name: t.Name
     segments: _Segments
 
 
 def at_speed(speed: float) -> CaseConfig:
-    """A constant forward velocity [m/s]."""
+    """Case with a constant forward velocity [m/s]."""
     return CaseConfig(f"{speed_text(speed)} m/s", [Segment("walk", 0.0, speed)])
 
 
@@ -72,15 +72,15 @@ class ProfileConfig(t.Group):
     """
 
     ramp: t.Seconds
-    """duration of the change from a segment's velocity to the next one's; 0: a step"""
+    """duration of the ramp from a segment's velocity to the next one's; 0: a step change"""
     warm_up: t.Seconds
-    """start of each segment that does not count for its errors"""
+    """initial part of each segment that is excluded from its errors"""
     window: t.Positive[t.Seconds]
-    """moving average over which velocities are drawn"""
+    """length of the moving average in velocity plots"""
     rows: Literal["segments", "cases"] = "segments"
-    """of the report's table: segments of the only case, or cases, each by its last segment"""
+    """rows of the report's table: segments of the only case, or the last segment of each case"""
     cases: Annotated[t.Some[CaseConfig], _NAMED_ONCE] = field(default_factory=list)
-    """rollouts: from a time on, vx, vy and yaw_rate, 0 if not said"""
+    """rollouts; each segment has a start time, vx, and optionally vy and yaw_rate (default 0)"""
 
     def __post_init__(self) -> None:
         names = [case.name for case in self.cases]
@@ -98,27 +98,27 @@ _Disturbance = Annotated[DisturbanceConfig, AfterValidator(_without_curriculum)]
 
 
 class EvaluationConfig(t.Group):
-    """A protocol: every controller, velocity, trial and robot; see ``docs/explanation/method.md``.
+    """A protocol: controllers × velocities × trials × robots; see ``docs/explanation/method.md``.
 
-    ``controllers`` and ``speeds`` say which evaluations there are; they are not in the section
-    of a single one, which would otherwise be redone with every new speed. A protocol has either
+    ``controllers`` and ``speeds`` define the list of evaluations; they are not part of the section
+    of a single one, so that a new speed does not recompute the others. A protocol has either
     ``speeds``, constant forward velocities, or a ``profile``.
     """
 
     trials: Annotated[t.Count, Field(le=100_000)]
-    """trials, each with a seed of its own"""
+    """number of trials, each with its own seed"""
     robots: t.Count
-    """per trial, each with its own start"""
+    """robots per trial, each with its own initial state"""
     duration: t.Positive[t.Seconds]
-    """of a rollout"""
+    """duration of a rollout"""
     warm_up: t.Seconds
-    """start of mse_steady and of the tracked mean velocity"""
+    """time from which mse_steady and the mean velocity (see tracking_tolerance) are computed"""
     tracking_tolerance: t.NonNegative[t.MetresPerSecond]
-    """tracked: |mean v − speed| ≤ max(this, tracking_relative · speed)"""
+    """a robot tracks if |mean v − speed| ≤ max(tracking_tolerance, tracking_relative · speed)"""
     tracking_relative: t.Factor
-    """the same relative to the commanded speed"""
+    """tolerance relative to the commanded speed; see tracking_tolerance"""
     seed: t.Seed
-    """of the first trial"""
+    """seed of the first trial"""
     start: StartNoise
     disturbance: _Disturbance
     controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=list)
@@ -126,7 +126,7 @@ class EvaluationConfig(t.Group):
     speeds: t.Distinct[list[t.MetresPerSecond]] = field(default_factory=list)
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
-    """velocities that change; null: constant ones"""
+    """commanded velocities that change over time; null: constant ``speeds``"""
 
     def __post_init__(self) -> None:
         possible = not (self.speeds and self.profile)
@@ -152,7 +152,7 @@ class SeedBlock(t.Group):
 
 
 class SeedsConfig(t.Group):
-    """Blocks of seeds that are held apart: nothing is chosen by results from ``final``.
+    """Disjoint blocks of seeds: no choice is based on results with seeds from ``final``.
 
     Trial k of an evaluation draws its starts from its seed + k.
     """
@@ -160,7 +160,7 @@ class SeedsConfig(t.Group):
     final: Annotated[SeedBlock, t.ordered("first", "last")]
     development: Annotated[SeedBlock, t.ordered("first", "last")]
     selection: t.Seed
-    """of development: the checks that pick a training's checkpoint"""
+    """seed, from the development block, of the checks that pick a training's checkpoint"""
 
     def __post_init__(self) -> None:
         final, other = self.final, self.development
@@ -169,23 +169,23 @@ class SeedsConfig(t.Group):
 
 
 LEVELS = 10
-"""of an axis"""
+"""Number of levels of an axis."""
 Scale = Annotated[list[t.T], Field(min_length=LEVELS, max_length=LEVELS)]
 
 
 class ScalesConfig(t.Group, kw_only=True):
-    """Levels 1 to 10, from easy to hard, of the axes that are no terrain."""
+    """Values of levels 1 to 10, from easy to hard, of the axes other than terrain."""
 
     friction: t.Falling[Scale[t.Positive[t.Factor]]]
-    """of the feet on the ground"""
+    """friction coefficient of the feet on the ground"""
     payload: t.Rising[Scale[t.Positive[t.Kilograms]]]
-    """on the base"""
+    """mass added to the base"""
     delay: t.Rising[Scale[t.Positive[PhysicsTime]]]
-    """in place of that of ``disturbance``"""
+    """actuation delay, instead of disturbance.delay"""
     motor_strength: t.Falling[Scale[t.Positive[t.Factor]]]
-    """achieved over demanded torque of every motor"""
+    """ratio of achieved to commanded torque of every motor"""
     sensor_noise: t.Rising[Scale[t.Positive[t.Factor]]]
-    """on env.onboard.sensors, and for controllers with the true state on ``sensing``"""
+    """factor on env.onboard.sensors, or on ``sensing`` for controllers that get the true state"""
     push: t.Rising[Scale[t.Positive[t.NewtonSeconds]]]
     """impulse of each push"""
 
@@ -195,41 +195,41 @@ AXES = (*TERRAINS, *(item.name for item in fields(ScalesConfig)))
 
 
 class GaugeProtocol(t.Group, kw_only=True):
-    """What all axes share. The robots of a level: ``trials`` × ``speeds`` × ``robots``."""
+    """Settings shared by all axes. A level has ``trials`` × ``speeds`` × ``robots`` robots."""
 
     speeds: t.Distinct[t.Some[t.Positive[t.MetresPerSecond]]]
     """commanded forward velocities"""
     trials: Annotated[t.Count, Field(le=100_000)]
-    """each with a seed of its own"""
+    """number of trials, each with its own seed"""
     robots: t.Count
-    """per trial and speed, each with its own start; the starts of all speeds are the same"""
+    """robots per trial and speed, each with its own initial state; all speeds share these states"""
     seed: t.Seed
-    """of the first trial"""
+    """seed of the first trial"""
     duration: ControlTime
-    """of a rollout"""
+    """duration of a rollout"""
     distance: t.Share
-    """of speed × duration, which a robot must cover to pass; 0: it must not go back"""
+    """share of speed × duration that a robot must cover to pass; 0: it must not move backwards"""
     start: StartNoise
     disturbance: _Disturbance
-    """of every robot, but for what its axis changes"""
+    """disturbance of every robot, apart from the quantity that the axis varies"""
     sensing: SensingConfig
-    """white noise of level × 1 of ``sensor_noise``, for controllers with the true state"""
+    """white noise at a ``sensor_noise`` of 1, for controllers that get the true state"""
 
 
 class GaugeConfig(GaugeProtocol, kw_only=True):
     """Controllers, axes and levels."""
 
     controllers: t.Distinct[t.Some[t.Name]]
-    """as in ``evaluation``, or NAME or NAME_onboard of ``policies``"""
+    """as in ``evaluation``, or NAME or NAME_onboard for a NAME of ``policies``"""
     policies: t.Named[t.Name] = field(default_factory=dict)
-    """folders of exported policies: policy.onnx, policy.json"""
+    """folders of exported policies, each with policy.onnx and policy.json"""
     axes: t.Distinct[t.Some[t.Name]]
-    """kinds of terrain, whose level is that of the terrain, and names of ``scales``"""
+    """kinds of terrain, with their terrain levels, and names of ``scales``"""
     levels: Annotated[t.Count, Field(le=LEVELS)]
-    """how many of an axis are tested, from level 1 on"""
+    """number of levels tested per axis, starting with level 1"""
     scales: ScalesConfig
     directions: Annotated[t.Count, Field(le=360)]
-    """of pushes, evenly about the robot, from forward towards left"""
+    """number of push directions, evenly spaced, counted from forward towards left"""
     survival: Annotated[t.Share, Field(gt=0)]
     """share of robots that must pass a level"""
 
@@ -248,12 +248,12 @@ class GaugeConfig(GaugeProtocol, kw_only=True):
 
 
 class DrakeContact(t.Group):
-    """Point contact in Drake; what is not here is Drake's default."""
+    """Point contact in Drake; all other contact parameters keep Drake's defaults."""
 
     approximation: Literal["lagged", "similar", "sap"]
-    """of its solver SAP"""
+    """contact approximation of the SAP solver"""
     dissipation: t.Positive[t.SecondsPerMetre] | None = None
-    """of Hunt and Crossley, of both bodies; null is Drake's default, of which sap has none"""
+    """Hunt-Crossley dissipation of both bodies; null: Drake's default; must be null with sap"""
 
     def __post_init__(self) -> None:
         unused = self.approximation == "sap" and self.dissipation is not None
@@ -266,20 +266,20 @@ class DrakeContact(t.Group):
 
 
 class SecondEngineConfig(t.Group):
-    """Drake beside MuJoCo: a protocol on both, and the policy on floors of less friction."""
+    """Comparison of Drake and MuJoCo: a protocol on both, and rollouts with other frictions."""
 
     protocol: EvaluationConfig
-    """on both engines, from the same starts"""
+    """protocol evaluated on both engines, from the same initial states"""
     timestep: t.Positive[t.Seconds]
-    """of Drake; a divisor of env.physics.timestep"""
+    """time step of Drake; must divide env.physics.timestep"""
     contacts: t.Some[DrakeContact]
-    """of Drake"""
+    """contact models of Drake to compare"""
     frictions: t.Falling[t.Some[t.Positive[t.Factor]]]
-    """of feet and floor, in place of robot.contact.friction, until the robots fall"""
+    """coefficients of feet and floor, instead of robot.contact.friction, in falling order"""
     friction_controllers: t.Distinct[t.Some[t.Name]]
-    """of ``protocol``, those that walk on these"""
+    """controllers of ``protocol`` that walk with each of ``frictions``"""
     friction_speed: t.Positive[t.MetresPerSecond]
-    """commanded forward velocity there"""
+    """commanded forward velocity with ``frictions``"""
 
     def __post_init__(self) -> None:
         constant = self.protocol.profile is None
@@ -289,14 +289,14 @@ class SecondEngineConfig(t.Group):
 
 
 class RangeConfig(t.Group):
-    """What a setting is drawn from; the present value belongs to it."""
+    """Search range of a setting, widened to contain its current value."""
 
     lower: t.Number
     """least value"""
     upper: t.Number
     """greatest value"""
     log: bool = False
-    """uniform in the logarithm"""
+    """sample uniformly in the logarithm"""
 
 
 _Range = Annotated[
@@ -307,24 +307,24 @@ _Range = Annotated[
 
 
 class TuningConfig(t.Group, kw_only=True):
-    """A search for each controller of ``spaces``."""
+    """One hyperparameter search for each controller in ``spaces``."""
 
     trials: t.Count
-    """sets of settings that are simulated; the first one is the present one"""
+    """number of parameter sets simulated; the first is the current configuration"""
     sampler_seed: t.Seed
-    """of the draws"""
+    """seed of the sampler"""
     speeds: t.Distinct[t.Some[t.Positive[t.MetresPerSecond]]]
-    """commanded forward velocities, of one score"""
+    """commanded forward velocities, combined into one score"""
     robots: t.Count
-    """per speed, each with its own start; the same in all trials"""
+    """robots per speed, each with its own initial state; the same states in all trials"""
     finalists: t.Count
-    """best trials that are measured again, as the present settings are"""
+    """number of best trials that are measured again, together with the current configuration"""
     finalist_robots: t.Count
-    """per speed"""
+    """robots per speed when finalists are measured again"""
     seed: t.Seed
-    """of the starts; the finalists' is the next one"""
+    """seed of the initial states; finalists use seed + 1"""
     spaces: dict[str, dict[str, _Range]]
-    """controller of ``control``, or NAME_onboard → dotted name of a number of it → range"""
+    """controller of ``control``, or its NAME_onboard → dotted name of a number in it → range"""
 
 
 Pixels = t.Even[Annotated[int, Field(ge=32, le=1920)]]
@@ -335,40 +335,40 @@ class FilmedTerrain(t.Group):
     """Videos of the policy on terrain, with onboard state."""
 
     kinds: t.Distinct[list[TerrainKind]]
-    """one video for each"""
+    """terrains to film, one video each"""
     level: Level
-    """of all of them"""
+    """terrain level of all these videos"""
     speed: t.MetresPerSecond
     """commanded forward velocity"""
 
 
 class VideoConfig(t.Group):
-    """Which videos are made, and how; the section of a single one has no lists of them."""
+    """Which videos are made, and how; the section of a single video leaves out the lists."""
 
     renderer: Literal["auto", "egl", "osmesa", "none"]
-    """none: a page without videos; auto: the first that works"""
+    """none: a report without videos; auto: the first renderer that works"""
     camera: Literal["side", "front", "both"]
-    """where they are filmed from; both: two pictures next to each other"""
+    """camera position; both: two views next to each other"""
     duration: t.Positive[t.Seconds]
-    """from rest"""
+    """length of a video, which starts at rest"""
     width: Pixels
-    """of a picture, in pixels"""
+    """width of a view, in pixels"""
     height: Pixels
-    """of a picture, in pixels"""
+    """height of a view, in pixels"""
     frame_rate: Annotated[t.Count, Field(le=1000)]
     """frames per second; must divide the control rate"""
     quality: Annotated[int, Field(ge=0, le=51)]
     """constant rate factor of H.264, 0 (lossless, large) to 51"""
     seed: t.Seed
-    """of the start's noise"""
+    """seed of the noise on the initial state"""
     speeds: t.Distinct[list[t.MetresPerSecond]] = field(default_factory=list)
     """one video per controller and speed"""
     terrain: FilmedTerrain | None = None
-    """videos on ground that is not flat; null: none"""
+    """videos on uneven terrain; null: none"""
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """From left to right in a picture."""
+        """Cameras of a video frame, from left to right."""
         return ("side", "front") if self.camera == "both" else (self.camera,)
 
 
@@ -376,7 +376,7 @@ class ReportConfig(t.Group):
     """The page reports/index.html and the videos in it."""
 
     sections: t.Distinct[t.Some[t.Name]]
-    """of the page, in order"""
+    """sections of the page, in order"""
     tracking_speeds: t.Distinct[list[t.MetresPerSecond]]
-    """velocity tracking is drawn for these, where evaluated"""
+    """speeds for which velocity tracking is plotted, if they were evaluated"""
     video: VideoConfig

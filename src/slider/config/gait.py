@@ -12,7 +12,7 @@ MAX_GRID = 5000  # velocities
 
 
 class Axis(t.Group):
-    """start, start + step, ... up to and including stop."""
+    """Values start, start + step, …, up to and including stop."""
 
     start: t.MetresPerSecond
     stop: t.MetresPerSecond
@@ -23,7 +23,7 @@ _Range = Annotated[Axis, t.ordered("start", "stop")]
 
 
 def axis_size(axis: Axis | list[float]) -> int:
-    """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
+    """Number of values of an axis; ``stop`` is included if the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
     return floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
@@ -46,7 +46,7 @@ class GridBlock(t.Group):
 
 
 class GridConfig(GridBlock):
-    """The velocities of the library: one block, and further ones beside it."""
+    """The velocities of the library: one block, and optional further ones."""
 
     extra: list[GridBlock] = field(default_factory=list)
     """further blocks"""
@@ -64,9 +64,9 @@ class Touchdown(t.Group):
     lateral: t.NonNegative[t.MetresPerSecond]
     """bound of |vy|"""
     down_min: t.NonNegative[t.MetresPerSecond]
-    """least downward speed"""
+    """minimum downward speed"""
     down_max: t.NonNegative[t.MetresPerSecond]
-    """greatest downward speed"""
+    """maximum downward speed"""
     angular: t.NonNegative[t.RadiansPerSecond]
     """bound of each component of the angular velocity"""
 
@@ -75,81 +75,81 @@ class Posture(t.Group):
     """Geometric limits of a gait."""
 
     clearance: t.NonNegative[t.Metres]
-    """of the swing foot at mid-step, parabola over the step"""
+    """minimum clearance of the swing foot at mid-step; a parabola over the step"""
     clearance_margin: t.NonNegative[t.Metres]
-    """added at the nodes, for what happens between them"""
+    """added to the clearance at the nodes, since the foot can be lower between them"""
     clearance_from: Annotated[t.Share, t.Unit("fraction of step"), Field(lt=0.5)]
-    """from this phase to as long before touchdown; outside the foot has only not to scuff"""
+    """the clearance holds from this phase to 1 − this; outside, the foot must only not scuff"""
     swing_height: t.Positive[t.Metres]
-    """greatest height of the swing foot"""
+    """maximum height of the swing foot"""
     foot_separation_min: t.NonNegative[t.Metres]
-    """least lateral distance of the feet"""
+    """minimum lateral distance between the feet"""
     foot_separation_max: t.Positive[t.Metres]
-    """greatest lateral distance of the feet"""
+    """maximum lateral distance between the feet"""
     legs_apart: t.NonNegative[t.Metres]
-    """least lateral distance of feet, and of the tubes' upper ends, in the base's axes"""
+    """minimum distance between the feet, and between the tubes' upper ends, along the base's y"""
     torso_roll: t.NonNegative[t.Radians]
     torso_pitch: t.NonNegative[t.Radians]
     torso_yaw: t.NonNegative[t.Radians]
     torso_rate: t.NonNegative[t.RadiansPerSecond]
     """bound of each component of the angular velocity"""
     knee_min: t.NonNegative[t.Radians]
-    """least virtual knee flexion; away from the straight leg"""
+    """minimum virtual knee flexion; avoids the straight leg"""
     knee_max: t.Positive[t.Radians]
-    """greatest virtual knee flexion"""
+    """maximum virtual knee flexion"""
 
 
 class ContactLimits(t.Group):
-    """What the ground may do to the stance foot."""
+    """Limits of the ground reaction forces on the stance foot."""
 
     friction: t.Positive[t.Factor]
-    """Coulomb coefficient that the gait may use"""
+    """Coulomb friction coefficient that the gait may use"""
     min_vertical: Annotated[t.Share, t.Unit("fraction of weight")]
-    """least vertical force at toe and heel"""
+    """minimum vertical force at toe and heel"""
 
 
 class SolverConfig(t.Group):
-    """IPOPT settings and what is tried in turn."""
+    """IPOPT settings and the initial guesses."""
 
     max_iterations: t.Count
-    """greatest number of iterations of a start"""
+    """maximum number of iterations per initial guess"""
     tolerance: t.Tolerance
     """IPOPT tol"""
     constraint_tolerance: t.Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
     guesses: t.Distinct[t.Some[Literal["cold", "fast", "crouched", "ramp"]]]
-    """starts tried until one converges, by anchors at once: knees bent most, long steps (crouched);
-    short quick steps (fast); less bent, long steps (cold); warm starts from walking in place
-    (ramp)"""
+    """initial guesses, tried in order until one converges, after the gait of a nearby velocity if
+    there is one; crouched: knees bent most, long steps; fast: short quick steps; cold: knees less
+    bent, long steps; ramp: warm starts from walking in place"""
 
 
 class StartSpread(t.Group):
     """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
 
     joints: t.Positive[t.Radians]
-    """greatest change of a Bézier coefficient, of each joint and step by itself"""
+    """largest change of a Bézier coefficient, drawn independently per joint and step"""
     crouch: t.Interval[t.Positive[t.Radians]]
-    """knee flexion"""
+    """range of the knee flexion"""
     stride: t.Interval[t.Positive[t.Factor]]
-    """step length, as a share of that at the commanded velocity"""
+    """range of the step length, relative to that of the commanded velocity"""
 
 
 Nodes = t.Odd[Annotated[int, Field(ge=5, le=201)]]
 
 
 class FormulationConfig(t.Group):
-    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
+    """The optimisation problem, equal for all velocities; see ``docs/explanation/method.md``."""
 
     nodes: Nodes
     """collocation nodes per step"""
     degree: Annotated[int, Field(ge=3, le=12)]
-    """of the joints' Bézier polynomials of the phase, the virtual constraints"""
+    """degree of the virtual constraints: Bézier polynomials of the joints over the phase"""
     dynamics: Literal["prismatic", "knee"]
-    """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
+    """bodies of the model: those of the real leg and its rotors, or of the virtual knee"""
     cost: Literal["paper", "transport"]
     """paper: eq. 2 as read in docs/paper.md; transport: mean |power| / (m g)"""
     voltage: t.Positive[t.Share]
-    """share of the bus that motors may use at the nodes; the rest is for between them"""
+    """share of the bus voltage available to motors at the nodes; the rest is margin between them"""
     touchdown: Annotated[Touchdown, t.ordered("down_min", "down_max")]
     posture: Annotated[
         Posture,
@@ -163,18 +163,18 @@ class FormulationConfig(t.Group):
     ]
     contact: ContactLimits
     bounds: dict[str, t.Interval[t.Number]]
-    """of further rows at every node, by their names in ``slider.gait.constraints``, SI units"""
+    """bounds of further constraints at every node, by name in ``slider.gait.constraints``; SI"""
 
 
 class SolveConfig(t.Group):
     """How a gait is found and converted."""
 
     kinematic_map: Literal["exact", "paper"]
-    """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
+    """map from knee to slide (eq. 1): exact geometry, or the matrix as printed in the paper"""
     decoupling_min: Annotated[float, t.Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
-    """least singular value of the decoupling matrix, per share of the motors' torque limits"""
+    """minimum singular value of the decoupling matrix, for inputs as shares of torque limits"""
     step_time: t.Interval[t.Positive[t.Seconds]]
-    """bounds of the duration of a step"""
+    """bounds of the step duration"""
     solver: SolverConfig
 
 
@@ -188,9 +188,9 @@ class LibraryConfig(t.Group):
     """How gaits are collected."""
 
     allow_holes: bool
-    """false: a gait that did not converge stops the library with a list of them"""
+    """false: the library fails, with a list of gaits, if any gait did not converge"""
     max_violation: Annotated[t.Tolerance, t.Unit("SI")]
-    """worst constraint violation of a gait that counts as converged"""
+    """maximum constraint violation up to which a gait counts as converged"""
 
 
 class IntegratorConfig(t.Group):
@@ -201,19 +201,19 @@ class IntegratorConfig(t.Group):
 
 
 class CheckConfig(t.Group):
-    """What the checks of a single gait need."""
+    """Settings for the checks of a single gait."""
 
     integrator: IntegratorConfig
     points: Annotated[t.Count, Field(ge=2)]
-    """per step, for the resampling between nodes"""
+    """sample points per step, at which constraints are checked between nodes"""
 
 
 class VerificationConfig(CheckConfig):
-    """All of the verification."""
+    """All settings of the verification."""
 
     chunk: t.Count
     """gaits per job"""
     on_failure: Literal["error", "report"]
-    """report: a bound that does not hold is written down; error: it ends the collecting job"""
+    """report: a violated bound is only reported; error: it makes the verification job fail"""
     bounds: dict[str, Annotated[t.NonNegative[t.Number], t.Unit("of the quantity")] | None]
-    """of the quantity, see docs/reference/verification.md; null: reported only"""
+    """bound of the quantity, see docs/reference/verification.md; null: reported only"""

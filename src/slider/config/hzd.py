@@ -15,17 +15,17 @@ class VirtualConstraintsConfig(t.Group):
     """Outputs, their phase and what enforces them."""
 
     slowest_hip: t.Positive[t.MetresPerSecond]
-    """gaits with less forward velocity have time for a phase, others the place of the hip"""
+    """forward velocity below which time is a gait's phase variable; above, the hip position"""
     correction_end: t.Positive[t.Share]
-    """phase at which the re-anchoring after an impact is over"""
+    """phase at which the correction of the constraints after an impact has decayed"""
     placement: Annotated[t.Interval[t.Share], t.ordered("lower", "upper", strict=True)]
-    """phases between which the swing foot is displaced"""
+    """phases between which the swing foot moves to its corrected foothold"""
     kp: t.Positive[PerSecond2]
-    """of the outputs"""
+    """proportional gain of the outputs"""
     kd: t.Positive[PerSecond]
-    """of the outputs' rates"""
+    """derivative gain of the outputs"""
     rate_gain: t.Positive[PerSecond]
-    """of the phase's rate, where the hip is the phase"""
+    """gain on the rate of the phase, where the hip position is the phase variable"""
 
 
 class FootPlacementConfig(t.Group):
@@ -38,39 +38,39 @@ class FootPlacementConfig(t.Group):
     displacement: t.Positive[t.Number]
     """weight of the foot's displacement [1/m²]"""
     reach: t.NonNegative[t.Metres]
-    """greatest displacement in each direction"""
+    """largest displacement of the foothold in each direction"""
 
 
 class LinearisationConfig(t.Group):
-    """Return map by central differences."""
+    """Linearisation of the return map by central differences."""
 
     difference: Annotated[t.Tolerance, t.Unit("rad, m, 1/s")]
-    """perturbation of the state; twice it checks the differences"""
+    """perturbation of the state; twice this size is used to check the differences"""
     tolerance: Annotated[t.Tolerance, t.Unit("rad, m, 1/s")]
-    """of the fixed point"""
+    """tolerance of the fixed point"""
 
 
 class StabilityConfig(VirtualConstraintsConfig):
-    """Virtual constraints, and what their stability is measured and made with."""
+    """Virtual constraints, foot placement that stabilises them, and linearisation."""
 
     fastest_clock: t.Positive[t.MetresPerSecond]
-    """gaits with more forward velocity are not linearised by time as well: no foot placement
-    stabilises them there"""
+    """forward velocity up to which gaits are also linearised with time as the phase variable;
+    no foot placement stabilises faster ones that way"""
     feedback: FootPlacementConfig
     linearisation: LinearisationConfig
 
 
 class HzdConfig(StabilityConfig):
-    """All of hybrid zero dynamics."""
+    """All settings of hybrid zero dynamics."""
 
     steps: t.Count
-    """that a gait is to walk in MuJoCo"""
+    """steps that a gait is to walk in MuJoCo"""
     chunk: t.Count
     """gaits per job"""
 
 
 def enforced_section(config: HzdConfig) -> dict[str, Any]:
-    """What a controller needs of it: the constraints, and how far a foothold may go."""
+    """Settings that a controller needs: the constraints and the reach of foot placement."""
     names = [field.name for field in fields(VirtualConstraintsConfig)]
     values = asdict(config)
     return {"constraints": {n: values[n] for n in names}, "reach": config.feedback.reach}

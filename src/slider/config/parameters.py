@@ -1,4 +1,4 @@
-"""Numbers of a robot by their dotted paths and tags, and robots that differ in one of them."""
+"""Numerical parameters of a robot by dotted path and tag, and robots with one of them scaled."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -11,10 +11,10 @@ from slider.core.files import flatten
 
 
 class Parameter(NamedTuple):
-    """A number of the robot, or a vector that varies as a whole."""
+    """A numerical parameter of the robot: a scalar, or a vector that is scaled as one."""
 
     path: str  # dotted, below ``robot``
-    value: tuple[float, ...]  # one number of a scalar
+    value: tuple[float, ...]  # of length 1 for a scalar
     provenance: str  # tag of the longest matching path; empty without one
 
 
@@ -33,13 +33,13 @@ def parameters(robot: RobotConfig) -> list[Parameter]:
 def choose(
     items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
 ) -> list[Parameter]:
-    """Parameters with one of the tags, at or below one of the paths if there are any."""
+    """Parameters with one of the tags, and, if ``paths`` are given, at or below one of them."""
     tagged = [item for item in items if item.provenance in tags]
     return [item for item in tagged if not paths or any(_within(item.path, p) for p in paths)]
 
 
 def tag(tags: Mapping[str, str | None], path: str) -> str:
-    """Tag of the longest path that is ``path`` or a group around it; empty without one."""
+    """Tag of the longest path that is ``path`` or a parent of it; empty without one."""
     matching = [name for name in tags if _within(path, name)]
     return tags[max(matching, key=len)] or "" if matching else ""
 
@@ -56,7 +56,7 @@ def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
     """
     values = to_dict(robot)
     value = flatten(values)[path]
-    # Without the last digits, so that 60 · 1.2 is 72.
+    # Rounded to 12 digits, so that 60 · 1.2 is 72.
     products = [float(f"{number * factor:.12g}") for number in np.atleast_1d(value).tolist()]
     product = products if isinstance(value, tuple) else products[0]
     return from_dict(RobotConfig, with_settings(values, {path: product}), "robot")

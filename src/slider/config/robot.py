@@ -23,13 +23,13 @@ LINKS = {
     "ankle": "foot",
     "upper_foot": "upper_foot",
 }
-"""Joint, and the link below it; a knee has the place of the slide."""
+"""Joint → link below it; a knee is listed under the name ``slide``."""
 SOLE_LINKS = LINKS | {"ankle": "talus", "ankle_roll": "foot"}
-"""Likewise, where the foot has a sole."""
+"""Joint → link below it of a leg whose foot has a sole."""
 HIP_JOINTS, BELOW_HIP = ("hip_yaw", "hip_roll", "hip_pitch"), tuple(SOLE_LINKS)[3:]
 LATERAL = ("hip_yaw", "hip_roll", "ankle_roll")
-"""Joints that the reflection at the sagittal plane turns back."""
-LEAST_BEND = 0.02  # of a knee off the line from hip to ankle, as a share of the leg's length
+"""Joints whose angle changes its sign under reflection at the sagittal plane."""
+LEAST_BEND = 0.02  # distance of a knee from the line from hip to ankle, as a share of leg length
 
 
 def leg_scale(leg_length: float) -> float:
@@ -42,9 +42,9 @@ MIRROR = np.array([1.0, -1.0, 1.0])
 
 
 def axis_of(name: str, left: Sequence[float] | np.ndarray, lateral: float) -> np.ndarray:
-    """Unit vector (3,) about which a joint of a left (1) or right (−1) leg turns, of a left one.
+    """Axis (3,) of a joint of the left (``lateral`` 1) or right (−1) leg, given that of the left.
 
-    Where the angle keeps its sign in the mirror, the other components of the axis change theirs.
+    Joints of ``LATERAL`` change the sign of the y component, the others those of x and z.
     """
     signs = [1.0, lateral, 1.0] if name in LATERAL else [lateral, 1.0, lateral]
     return np.array(left) * signs + 0.0
@@ -60,7 +60,7 @@ class Body:
 
     @property
     def reflected(self) -> "Body":
-        """The body of the other side; + 0.0 leaves no −0."""
+        """The mirrored body of the other side; + 0.0 turns −0 into 0."""
         turned = self.inertia * np.outer(MIRROR, MIRROR)
         return Body(self.mass, self.com * MIRROR + 0.0, turned + 0.0)
 
@@ -69,13 +69,13 @@ class Link(t.Group):
     """A rigid body."""
 
     mass: t.Positive[t.Kilograms]
-    """of the body; a leg's exists twice"""
+    """mass of the body; links of a leg exist once per leg"""
     com: t.Vector3[t.Metres]
-    """centre of mass, in the frame of the link's joint; a right leg's has the other sign of y"""
+    """centre of mass in the frame of the link's joint; the right leg has the opposite sign of y"""
     inertia: t.Vector3[t.Positive[t.KilogramMetres2]]
-    """Ixx, Iyy, Izz about the centre of mass, axes of the link's frame"""
+    """Ixx, Iyy, Izz about the centre of mass, in the axes of the link's frame"""
     products: t.Vector3[Annotated[t.Number, t.Unit("kg m²")]] = (0.0, 0.0, 0.0)
-    """Ixy, Ixz, Iyz likewise; a right leg's have the other sign of Ixy and Iyz"""
+    """Ixy, Ixz, Iyz about the same point; the right leg has the opposite signs of Ixy and Iyz"""
 
     @property
     def tensor(self) -> np.ndarray:
@@ -111,13 +111,13 @@ class Links(t.Group):
     tube: _Rigid
     foot: _Rigid
     upper_foot: _Rigid | None = None
-    """passive, above the leg; of a robot whose foot is a line"""
+    """passive link above the leg of a robot with line feet"""
     talus: _Rigid | None = None
-    """between the axes of an ankle whose foot has a sole"""
+    """link between ankle pitch and ankle roll of a robot whose feet have soles"""
 
 
 _Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)
-MAX_TURN = 60  # of a joint's axis against that of its role [°]
+MAX_TURN = 60  # largest angle between a joint's axis and the coordinate axis it is named after [°]
 
 
 def _within(place: int) -> t.Rule:
@@ -129,15 +129,15 @@ _Leftward = Annotated[t.Vector3[t.Number], _Unit, _within(1)]
 
 
 class HipAxes(t.Group):
-    """Places of a left hip's axes in the frame of the link above; y is reflected on the right.
+    """Positions of the left hip's axes in the parent link's frame; the right hip is mirrored.
 
-    Frames are parallel to the base's where all joints are at zero.
+    All frames are parallel to the base frame when all joints are at zero.
     """
 
     hip_yaw: t.Vector3[t.Metres]
     hip_roll: t.Vector3[t.Metres]
     hip_pitch: t.Vector3[t.Metres]
-    """a slide goes through it"""
+    """position of the pitch axis, through which a slide passes"""
     order: Annotated[
         tuple[t.Name, t.Name, t.Name],
         t.Rule(
@@ -145,16 +145,16 @@ class HipAxes(t.Group):
             lambda order: sorted(order) == sorted(HIP_JOINTS),
         ),
     ] = HIP_JOINTS
-    """from the base down"""
+    """order of the hip joints from the base down"""
     yaw_direction: Annotated[t.Vector3[t.Number], _Unit, _within(2)] = (0.0, 0.0, 1.0)
-    """unit vector along the left yaw axis; a right axis has the other sign of y"""
+    """unit vector along the left yaw axis; the right axis has the opposite sign of y"""
     roll_direction: Annotated[t.Vector3[t.Number], _Unit, _within(0)] = (1.0, 0.0, 0.0)
-    """likewise"""
+    """unit vector along the left roll axis; the right axis has the opposite sign of y"""
     pitch_direction: _Leftward = (0.0, 1.0, 0.0)
-    """unit vector along the left pitch axis; a right axis has the other signs of x and z"""
+    """unit vector along the left pitch axis; the right axis has the opposite signs of x and z"""
 
     def chain(self, lateral: float = 1.0) -> list[tuple[str, np.ndarray, np.ndarray]]:
-        """Joint, place (3,) [m] and unit vector (3,) of each axis from the base down.
+        """Joint name, position (3,) [m] and unit vector (3,) of each hip axis, from the base down.
 
         ``lateral`` is 1 for the left leg, −1 for the right one.
         """
@@ -167,15 +167,15 @@ class HipAxes(t.Group):
 
     @property
     def below_pitch(self) -> np.ndarray:
-        """Origin of the last link of the hip from the pitch axis (3,) [m], left, joints at zero."""
+        """Last left hip joint relative to the pitch axis (3,) [m], with all joints at zero."""
         below = self.order[self.order.index("hip_pitch") + 1 :]
         return sum((np.array(getattr(self, name)) for name in below), np.zeros(3))
 
 
 class LegJoint(NamedTuple):
-    """A joint of a leg, its place and unit vector (3,) [m] in the frame of the link above.
+    """A joint of a leg: its position (3,) [m] and axis (3,) in the parent link's frame.
 
-    ``slides``: it moves what is below along the vector instead of turning it.
+    ``slides``: the joint is prismatic, else revolute.
     """
 
     name: str
@@ -185,44 +185,44 @@ class LegJoint(NamedTuple):
 
 
 class Sole(t.Group):
-    """A foot that a driven joint rolls about x, and that lies flat in stance."""
+    """Foot with an actuated ankle roll, which lies flat on the ground in stance."""
 
     roll_height: t.Positive[t.Metres]
-    """axis of the roll above the ground; below the middle of the ankle's axis, as the foot is"""
+    """height of the ankle roll axis above the sole; it is centred below the ankle pitch axis"""
     width: t.Positive[t.Metres]
-    """between the contact points of a side"""
+    """lateral distance between the left and right contact points"""
 
 
 class Geometry(t.Group):
-    """Lengths."""
+    """Dimensions of the robot."""
 
     axes: HipAxes
     leg_length: t.Positive[t.Metres]
-    """hip pitch axis to ankle, which is below it, with all joints at zero"""
+    """distance from the hip pitch axis down to the ankle, with all joints at zero"""
     ankle_height: t.Positive[t.Metres]
-    """ankle axis to sole"""
+    """height of the ankle axis above the sole"""
     toe: t.Positive[t.Metres]
-    """ankle axis to the front end of the foot line"""
+    """distance from the ankle axis to the front end of the foot"""
     heel: t.Positive[t.Metres]
-    """ankle axis to the rear end of the foot line"""
+    """distance from the ankle axis to the rear end of the foot"""
     foot_radius: t.Positive[t.Metres]
-    """half of a line foot's width, or of a sole's thickness"""
+    """half the width of a line foot, or half the thickness of a sole"""
     upper_foot_height: t.Positive[t.Metres]
-    """upper foot axis above the hip pitch axis at slide = 0, or above the knee"""
+    """height of the upper foot axis above the hip pitch axis at slide = 0, or above the knee"""
     tube_radius: t.Positive[t.Metres]
-    """of the leg"""
+    """radius of the leg"""
     hip_radius: t.Positive[t.Metres]
-    """of the drives about the hip"""
+    """radius of the hip actuators"""
     base_half_size: t.Vector3[t.Positive[t.Metres]]
-    """box between the hips"""
+    """half sizes of the base, a box between the hips"""
     knee: t.Vector3[t.Metres] | None = None
-    """place of a knee from the pitch axis, bent with all joints at zero; null: the leg slides"""
+    """position of the knee relative to the pitch axis, joints at zero; null: the leg slides"""
     knee_direction: _Leftward = (0.0, 1.0, 0.0)
-    """unit vector along the left knee's axis, as that of the pitch"""
+    """unit vector along the left knee axis; the right axis has the opposite signs of x and z"""
     ankle_direction: _Leftward = (0.0, 1.0, 0.0)
-    """likewise, of the ankle"""
+    """unit vector along the left ankle axis; the right axis has the opposite signs of x and z"""
     sole: Sole | None = None
-    """null: the foot is a line, which may roll on the ground"""
+    """null: the foot is a line, which can roll on the ground"""
 
     def __post_init__(self) -> None:
         lateral, expected = self.hip[1], "a sum of y > 0 m: left hips are on the left"
@@ -238,7 +238,7 @@ class Geometry(t.Group):
 
     @property
     def leg_joints(self) -> tuple[str, ...]:
-        """Joints of a leg from the hip down; a knee has the place of the slide."""
+        """Joints of a leg from the hip down; a knee is named ``slide``."""
         last = "upper_foot" if self.sole is None else "ankle_roll"
         return (*self.axes.order, "slide", "ankle", last)
 
@@ -250,24 +250,24 @@ class Geometry(t.Group):
 
     @property
     def ankle_roll(self) -> np.ndarray:
-        """Axis along x about which the leg rolls in stance, from the ankle (3,) [m]."""
+        """Point on the roll axis (along x) of a stance leg, relative to the ankle (3,) [m]."""
         height = 0.0 if self.sole is None else self.sole.roll_height
         return np.array([0.0, 0.0, height - self.ankle_height])
 
     @property
     def sole_height(self) -> float:
-        """Joint of the body on the ground above it [m]: of the ankle, or of its roll."""
+        """Height of the last ankle joint (pitch, or roll with a sole) above the ground [m]."""
         return self.ankle_height + (0.0 if self.sole is None else self.ankle_roll[2])
 
     @property
     def sagittal(self) -> tuple[int, int, int]:
-        """Places of hip pitch, slide or knee, and ankle among the joints of a leg."""
+        """Indices of hip pitch, slide or knee, and ankle among the joints of a leg."""
         pitch, slide, ankle = map(self.leg_joints.index, ("hip_pitch", "slide", "ankle"))
         return pitch, slide, ankle
 
     @property
     def hip(self) -> tuple[float, float, float]:
-        """Left pitch axis in the base's frame, all joints at zero [m]."""
+        """Position of the left pitch axis in the base frame, with all joints at zero [m]."""
         above = self.axes.order[: self.axes.order.index("hip_pitch") + 1]
         places = (getattr(self.axes, name) for name in above)
         x, y, z = (sum(values) for values in zip(*places, strict=True))
@@ -287,12 +287,12 @@ class Geometry(t.Group):
 
     @property
     def slide_length(self) -> float | None:
-        """Length of a leg at slide = 0 [m]; none of a leg that has a knee."""
+        """Length of a leg at slide = 0 [m]; None for a leg with a knee."""
         return self.leg_length if self.knee is None else None
 
     @property
     def bend(self) -> float:
-        """Angle of a knee with all joints at zero [rad], > 0 where it points forward; else 0."""
+        """Knee angle with all joints at zero [rad], > 0 if the knee points forward; 0 without."""
         if self.knee is None:
             return 0.0
         thigh, shank, axis = np.array(self.knee), -np.array(self.knee), self.knee_direction
@@ -302,47 +302,47 @@ class Geometry(t.Group):
 
     @property
     def standing_height(self) -> float:
-        """Base above the ground, all joints at zero [m]."""
+        """Height of the base above the ground, with all joints at zero [m]."""
         return self.leg_length + self.ankle_height - self.hip[2]
 
 
 class VirtualKnee(t.Group):
-    """The revolute leg that stands for the slide in the gait solver."""
+    """Revolute leg that replaces the slide in the gait solver."""
 
     thigh_length: t.Positive[t.Metres]
-    """l₁"""
+    """length of the virtual thigh, l₁"""
     shank_length: t.Positive[t.Metres]
-    """l₂"""
+    """length of the virtual shank, l₂"""
     shank_mass_fraction: t.Share
     """share of the tube's mass that moves with the virtual shank"""
 
 
 class Joint(t.Group):
-    """Range, that of a left leg, and passive properties of a joint."""
+    """Range (of the left leg's joint) and passive properties of a joint."""
 
     lower: t.JointPosition
     upper: t.JointPosition
     damping: Annotated[t.NonNegative[t.Number], t.Unit("N m s/rad | N s/m")]
     """viscous damping"""
     armature: Annotated[t.NonNegative[t.Number], t.Unit("kg m² | kg")]
-    """inertia of its own, beside that of the drives"""
+    """inertia of the joint itself; that of the drives is added"""
 
 
 class Drive(t.Group):
-    """A motor with its gear; of a slide without a capstan in N, m/s and kg."""
+    """Motor with gearbox; units are N, m/s and kg for a slide without a capstan."""
 
     torque: t.Positive[t.NewtonMetres]
-    """limit"""
+    """torque limit"""
     speed: t.Positive[t.RadiansPerSecond]
-    """where the torque-speed line ends: no load"""
+    """no-load speed of the torque-speed line"""
     stall_ratio: Annotated[t.Factor, Field(ge=1)]
-    """torque of that line at rest, as a multiple of the limit"""
+    """stall torque of the torque-speed line as a multiple of the torque limit"""
     inertia: t.NonNegative[t.KilogramMetres2]
-    """of the rotor, reflected to the output; in addition to the joint's ``armature``"""
+    """rotor inertia reflected to the output; in addition to the joint's ``armature``"""
 
 
 class Gains(t.Group):
-    """Position loop on board of a motor."""
+    """PD gains of a motor's onboard position loop."""
 
     kp: Annotated[t.NonNegative[t.Number], t.Unit("N m/rad")]
     kd: Annotated[t.NonNegative[t.Number], t.Unit("N m s/rad")]
@@ -352,9 +352,9 @@ class Capstan(t.Group):
     """Differential of slide and ankle, moved by two equal motors (``drives.capstan``)."""
 
     drum_radius: Annotated[t.Positive[t.Factor], t.Unit("m/rad")]
-    """way of the slide per angle of both motors in the same sense"""
+    """travel of the slide per angle of both motors turning in the same direction"""
     foot_ratio: t.Positive[t.Factor]
-    """angle of the foot per angle of both motors in opposite senses"""
+    """angle of the foot per angle of both motors turning in opposite directions"""
 
 
 class Contact(t.Group):
@@ -365,16 +365,16 @@ class Contact(t.Group):
 
 
 class Mechanism(t.Group):
-    """What gaits depend on: joints and drives by their names."""
+    """The part of the robot that gaits depend on; joints and drives are keyed by name."""
 
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee | None
-    """null: gaits are in the leg's own joints, as those of a leg with a knee are"""
+    """null: gaits use the joints of the leg itself, as with a real knee"""
     joints: dict[str, Annotated[Joint, t.ordered("lower", "upper", strict=True)]]
     drives: dict[str, Drive]
     capstan: Capstan | None
-    """null: slide and ankle have a motor each"""
+    """null: slide and ankle have one motor each"""
 
     def __post_init__(self) -> None:
         geometry, virtual = self.geometry, self.virtual_knee
@@ -411,14 +411,14 @@ class Mechanism(t.Group):
 
     @property
     def leg_motors(self) -> tuple[str, ...]:
-        """Names in ``drives`` of the motors of a leg, from the hip down."""
+        """Names of a leg's motors (keys of ``drives``), from the hip down."""
         below = ("slide", "ankle") if self.capstan is None else ("capstan",) * 2
         last = () if self.geometry.sole is None else ("ankle_roll",)
         return self.geometry.axes.order + below + last
 
     @property
     def joint_ranges(self) -> np.ndarray:
-        """Lower and upper ends (2, 12) of all joints [rad, m], the left leg first."""
+        """Lower and upper limits (2, 12) of all joints [rad, m], left leg first."""
         names = self.geometry.leg_joints
         left = np.array([[self.joints[n].lower, self.joints[n].upper] for n in names]).T
         right = np.where([name in LATERAL for name in names], -left[::-1], left)
@@ -426,18 +426,18 @@ class Mechanism(t.Group):
 
 
 class RobotConfig(Mechanism):
-    """Everything that defines the machine; gains by leg drive."""
+    """Everything that defines the robot; gains are keyed by leg motor."""
 
     name: t.Name
     gains: dict[str, Gains]
     contact: Contact
     provenance: dict[str, Provenance | None] = field(default_factory=dict)
-    """where values come from, by dotted path; the longest matching path counts; null: no tag"""
+    """origin of values by dotted path; the longest matching path applies; null: no tag"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         t.complete("gains", self.gains, dict.fromkeys(self.leg_motors))
-        paths = [f"{path}." for path in flatten(asdict(self))]  # what is null may have parts
+        paths = [f"{path}." for path in flatten(asdict(self))]  # paths below a null value are valid
         for group in self.provenance:
             part = f"{group}."
             known = any(path.startswith(part) or part.startswith(path) for path in paths)

@@ -13,7 +13,7 @@ WARP = "slider.env.warp"
 
 
 class VelocitiesConfig(t.Group):
-    """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
+    """Ranges from which commanded velocities are drawn uniformly, and how often they change."""
 
     vx: t.Interval[t.MetresPerSecond]
     vy: t.Interval[t.MetresPerSecond]
@@ -21,16 +21,16 @@ class VelocitiesConfig(t.Group):
     period: t.Seconds
     """mean time between changes; 0: never within an episode"""
     standing_fraction: t.Share
-    """share of zero velocities"""
+    """share of commands that are zero: stand"""
     uneven: Annotated[t.Share, Field(gt=0)]
-    """on ground that is not flat velocities are this share of those drawn"""
+    """factor on the drawn velocities where the terrain is not flat"""
 
 
 class GuideConfig(t.Group):
-    """Which gait guides a velocity between those of the library."""
+    """Which reference gait is used for a velocity between those of the library."""
 
     gait: Literal["interpolated", "nearest"]
-    """between the gaits of the library; interpolated: at the reference velocity"""
+    """interpolate the library at the reference velocity, or take its nearest gait"""
 
 
 class RewardTerm(t.Group):
@@ -39,7 +39,7 @@ class RewardTerm(t.Group):
     weight: t.Number
     """factor on the term; 0 switches it off"""
     params: dict[str, float] = field(default_factory=dict)
-    """parameter of the term, which says its bounds"""
+    """parameter of the term; the term defines its bounds"""
 
 
 class RewardConfig(t.Group):
@@ -55,7 +55,7 @@ class RewardConfig(t.Group):
 
     @property
     def active(self) -> dict[str, RewardTerm]:
-        """Terms that count: a weight of 0 switches a term off."""
+        """Terms with a nonzero weight."""
         return {name: term for name, term in self.terms.items() if term.weight != 0}
 
 
@@ -63,26 +63,26 @@ class ResetConfig(t.Group):
     """How episodes start."""
 
     reference_fraction: t.Share
-    """share of episodes that start on the gait; the others start at rest"""
+    """share of episodes that start from a state of the reference gait; the others start at rest"""
 
 
 class NetworkConfig(t.Group):
     """Actor and critic: multilayer perceptrons of the same shape; the action noise is learned."""
 
     hidden: t.Some[Annotated[t.Count, Field(le=65536)]]
-    """widths of the hidden layers, actor and critic alike"""
+    """widths of the hidden layers, the same for actor and critic"""
     activation: Literal["elu", "relu", "tanh"]
-    """of the hidden layers"""
+    """activation of the hidden layers"""
     initial_std: t.Positive[t.Factor]
-    """of the action noise at the start"""
+    """initial standard deviation of the action noise"""
     std_min: t.Positive[t.Factor]
-    """least action noise"""
+    """lower bound of the action standard deviation"""
     std_max: t.Positive[t.Factor]
-    """greatest action noise"""
+    """upper bound of the action standard deviation"""
     std_final: t.Positive[t.Factor]
-    """greatest action noise at the end"""
+    """upper bound of the action standard deviation at the end of the training"""
     anneal_from: t.Positive[t.Share]
-    """share of the iterations from which the greatest action noise falls, geometrically"""
+    """share of the iterations after which the upper bound decays geometrically to std_final"""
     output_scale: t.Positive[t.Factor]
     """factor on the last layer's initial weights: small first actions"""
 
@@ -91,17 +91,17 @@ class PpoConfig(t.Group):
     """Proximal policy optimisation with generalised advantage estimation."""
 
     learning_rate: t.Positive[t.Factor]
-    """at the start, where the schedule adapts it"""
+    """learning rate; with the adaptive schedule, its initial value"""
     schedule: Literal["adaptive", "fixed"]
-    """adaptive: follow desired_kl"""
+    """learning rate schedule; adaptive: follow desired_kl"""
     desired_kl: t.Positive[t.Factor]
-    """divergence per update that the adaptive schedule aims at"""
+    """target KL divergence per update of the adaptive schedule"""
     epochs: Annotated[t.Count, Field(le=1000)]
     """passes over the samples of an update"""
     mini_batches: t.Count
-    """per pass"""
+    """mini-batches per epoch"""
     clip: t.Positive[t.Factor]
-    """of the probability ratio and of the value"""
+    """clipping range of the probability ratio and of the value"""
     gamma: t.Positive[t.Share]
     """discount per control step"""
     lam: t.Share
@@ -111,29 +111,29 @@ class PpoConfig(t.Group):
     entropy_coefficient: t.Factor
     """weight of the entropy bonus"""
     max_grad_norm: t.Positive[t.Number]
-    """gradients are cut to this norm"""
+    """gradients are clipped to this norm"""
     precision: Literal["auto", "float32", "bfloat16"]
-    """of the update; auto: bfloat16 on a processor that has it, found when jobs are laid out"""
+    """precision of updates; auto: bfloat16 if the CPU supports it, resolved at planning time"""
     actor_ema: Annotated[t.Share, Field(lt=1)]
-    """share of the actor's old average that an update leaves; the average is judged and exported"""
+    """decay of the actor's moving average per update; this average is evaluated and exported"""
 
 
 class SelectionConfig(t.Group):
     """Periodic small evaluation that picks the checkpoint to keep."""
 
     interval: t.Count
-    """iterations between checks, at which a checkpoint is written and all robots start again"""
+    """iterations between checks; at a check a checkpoint is written and all robots are reset"""
     speeds: t.Distinct[t.Some[t.MetresPerSecond]]
     """forward velocities of the checks"""
     robots: t.Count
-    """per speed"""
+    """robots per speed"""
     seed: t.Seed
-    """of the starts, the same ones in every check"""
+    """seed of the initial states, which are the same in every check"""
     duration: t.Positive[t.Seconds]
     warm_up: t.Seconds
-    """start that does not count for the error"""
+    """initial part of a rollout that is excluded from the error"""
     fall_weight: t.Positive[t.Number]
-    """score of a robot that fell; one that tracks badly has less than half of it"""
+    """cost of a robot that fell; that of a surviving robot is always less than half of it"""
 
 
 class TrainConfig(t.Group):
@@ -142,17 +142,17 @@ class TrainConfig(t.Group):
     iterations: Annotated[int, Field(ge=0, le=10_000_000)]
     """updates; samples = iterations × robots × steps_per_iteration"""
     simulator: Literal["mujoco", "mujoco_warp"]
-    """mujoco: on the processor; mujoco_warp: all robots at once on the device, extra gpu"""
+    """mujoco: on the CPU; mujoco_warp: all robots in parallel on ``device`` (needs extra gpu)"""
     device: Literal["cpu", "cuda", "auto"]
-    """of physics and networks; auto: cuda where there is one, found when jobs are laid out"""
+    """device of physics and networks; auto: cuda if available, resolved at planning time"""
     robots: t.Count
-    """robots simulated at once"""
+    """robots simulated in parallel"""
     steps_per_iteration: Annotated[t.Count, Field(le=100_000)]
     """control steps of each robot between updates"""
     episode_length: t.Positive[t.Seconds]
-    """after which a robot starts anew"""
+    """time after which an episode ends and the robot is reset"""
     seed: t.Seed
-    """of networks, environments and noise"""
+    """seed of networks, environments and noise"""
     velocities: VelocitiesConfig
     guide: GuideConfig
     reward: RewardConfig
@@ -164,7 +164,7 @@ class TrainConfig(t.Group):
     selection: SelectionConfig
     disturbance: DisturbanceConfig
     sensing: Sensing
-    """what agents receive: the true state, or its estimate from sensors on board"""
+    """state that the policy receives: the true one, or the estimate from onboard sensors"""
 
     def __post_init__(self) -> None:
         simulator, batch = self.simulator, self.robots * self.steps_per_iteration

@@ -11,16 +11,16 @@ from slider.config import types as t
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
 POLICY_LABEL = "policy (ours)"
-ONBOARD = "_onboard"  # NAME_onboard: controller NAME, which receives the state estimated on board
+ONBOARD = "_onboard"  # NAME_onboard: controller NAME with the state estimated by onboard sensors
 PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)"}
 """Controllers of the paper's Table 1; its rows are in ``slider/reports/paper_table1.csv``."""
 
-SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
-RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
+SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment
+RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names that no entry of ``control`` may have
 
 
 class StepConfig(t.Group, kw_only=True):
-    """Ends of steps."""
+    """When a step ends."""
 
     early: t.Share
     """share of the duration before which a contact does not end the step"""
@@ -32,122 +32,122 @@ class PlannedStepConfig(StepConfig, kw_only=True):
     """Steps of the footstep planner."""
 
     time: t.Positive[t.Seconds]
-    """nominal duration"""
+    """nominal step duration"""
     width: t.Positive[t.Metres]
-    """lateral distance of the feet"""
+    """nominal lateral distance between the feet"""
     time_per_speed: Annotated[t.NonNegative[t.Number], t.Unit("s²/m")] = 0.0
-    """growth of the nominal duration with the forward reference speed"""
+    """increase of the nominal duration per forward reference speed"""
     time_min: t.Positive[t.Seconds]
-    """least duration that is adapted to"""
+    """minimum step duration"""
     time_max: t.Positive[t.Seconds]
-    """greatest duration that is adapted to"""
+    """maximum step duration"""
     time_change: t.Seconds
-    """the planner may lengthen or shorten the current step by this; 0: never"""
+    """amount by which a plan may lengthen or shorten the current step; 0: never"""
     apex: t.Positive[t.Metres]
-    """height of the swing foot at half time"""
+    """height of the swing foot at mid-step"""
     switching: Literal["contact", "time"]
-    """what ends a step"""
+    """what ends a step: touchdown of the swing foot, or time"""
 
 
 class PlannerConfig(t.Group):
     """Footstep planner on the linear inverted pendulum."""
 
     steps: Annotated[t.Count, Field(le=100)]
-    """horizon"""
+    """planning horizon, in steps"""
     period: t.Positive[t.Seconds]
     """time between plans"""
     speed: Literal["mean", "end"]
-    """whether the commanded speed is the mean, or that at the end of a step"""
+    """the commanded speed is the mean speed of a step, or the speed at its end"""
     length_weight: Annotated[t.NonNegative[t.Number], t.Unit("1/s²")]
-    """cost of (step − nominal step)² against (velocity error)²"""
+    """weight of (step − nominal step)², relative to (velocity error)²"""
     time_weight: Annotated[t.NonNegative[t.Number], t.Unit("m²/s⁴")]
-    """cost of (duration − nominal duration)²"""
+    """weight of (duration − nominal duration)², relative to (velocity error)²"""
     length_max: t.Positive[t.Metres]
-    """largest forward step"""
+    """maximum forward step length"""
     width_min: t.NonNegative[t.Metres]
-    """least lateral distance of successive feet: they do not cross"""
+    """minimum lateral distance of successive footholds, so that the legs do not cross"""
     width_max: t.Positive[t.Metres]
-    """greatest lateral distance of successive feet"""
+    """maximum lateral distance of successive footholds"""
     lock: t.Positive[t.Seconds]
-    """no new plan in the last moments of a step"""
+    """no replanning when less than this remains of a step"""
 
 
 class VelocityConfig(t.Group):
     """Reference velocity."""
 
     acceleration: t.Positive[t.MetresPerSecond2]
-    """with which the reference grows to the commanded velocity"""
+    """acceleration of the reference towards the commanded velocity"""
     integral: t.Share
     """share of the last stride's velocity error that is added to the reference"""
     integral_limit: t.NonNegative[t.MetresPerSecond]
-    """largest sum of these"""
+    """bound of the integral term, per component"""
     integral_after: t.Seconds
     """no integral action before this time after a change of the commanded velocity"""
 
 
 class SwingConfig(t.Group):
-    """End of the swing."""
+    """End of the swing phase."""
 
     compression: t.NonNegative[t.Metres]
-    """how much lower a loaded sole is than one that just touches"""
+    """how much lower a loaded sole is than one that just touches the ground"""
     touchdown_velocity: t.NonNegative[t.MetresPerSecond]
-    """downward, at the end of the step"""
+    """downward velocity of the swing foot at the end of the step"""
     search_velocity: t.NonNegative[t.MetresPerSecond]
-    """downward, past the end, until there is contact"""
+    """downward velocity after the end of the step, until there is contact"""
 
 
 class EntryConfig(t.Group):
-    """Sway in double support into the lateral orbit."""
+    """Lateral sway in double support, from rest into the periodic orbit of the centre of mass."""
 
     duration: t.Positive[t.Seconds]
-    """of one sway"""
+    """duration of one sway"""
     patience: t.Seconds
     """a sway that has not reached the orbit this long after its end is repeated"""
     tolerance: t.NonNegative[t.Metres]
-    """how far beyond its orbit the first step may end sideways"""
+    """lateral distance by which the first step may end outside the orbit"""
     speed_tolerance: t.NonNegative[t.MetresPerSecond]
-    """largest forward speed off the reference at the exit"""
+    """largest deviation of the forward speed from its reference when the first step starts"""
     push: t.NonNegative[t.Metres]
-    """largest distance of the centre of pressure from the middle of the feet, to gain speed"""
+    """largest offset of the centre of pressure from the middle of the feet, to gain speed"""
 
 
 class TaskConfig(t.Group):
-    """Gains of a task, and its weights."""
+    """Gains and weights of a task."""
 
     kp: Annotated[t.NonNegative[t.Number], t.Unit("1/s²")]
     kd: Annotated[t.NonNegative[t.Number], t.Unit("1/s")]
     weight: t.Vector3[t.NonNegative[t.Number]]
-    """per axis; of stance: position, pitch and yaw"""
+    """weight per axis; for ``stance``: position, pitch and yaw"""
 
 
 class WholeBodyConfig(t.Group):
     """Whole-body QP.
 
-    Tasks: ``com``, whose gains hold the height, and the place while swaying; ``base``, its
-    orientation; ``stance``, feet that do not move.
+    Tasks: ``com``, with gains for the height and, while swaying, the horizontal position; ``base``,
+    the base orientation; ``stance``, stance feet that do not move.
     """
 
     com: TaskConfig
     base: TaskConfig
     stance: TaskConfig
     friction: t.Positive[t.Factor]
-    """coefficient that the controller counts on"""
+    """friction coefficient that the controller assumes"""
     force_max: t.Positive[t.Newtons]
-    """of a contact point"""
+    """bound of each force component at a contact point"""
     effort_share: t.Positive[t.Share]
-    """share of the drives' torque limits that is used"""
+    """share of the drives' torque limits that the controller may use"""
     regularisation: tuple[
         Annotated[t.Positive[t.Number], t.Unit("1/(rad/s²)²")],
         Annotated[t.Positive[t.Number], t.Unit("1/N²")],
     ]
-    """of accelerations and of forces"""
+    """weights of the regularisation of accelerations and of contact forces"""
 
 
 class SteppingBodyConfig(WholeBodyConfig):
-    """Whole-body QP with the swing foot's tasks.
+    """Whole-body QP with tasks of the swing foot.
 
-    ``swing``: middle of its line; ``swing_rotation``: its pitch and yaw (the first weight is
-    unused).
+    ``swing``: position of the middle of the foot; ``swing_rotation``: its pitch and yaw (the first
+    weight is unused).
     """
 
     swing: TaskConfig
@@ -155,38 +155,38 @@ class SteppingBodyConfig(WholeBodyConfig):
 
 
 class ObserverConfig(t.Group):
-    """State observer with the nominal robot."""
+    """State observer that simulates the nominal robot."""
 
     delay: t.Seconds
-    """until the drives get the torques; it predicts over this time"""
+    """actuation delay, over which the observer predicts the state"""
     position: t.Positive[t.Share]
-    """share of the measured difference that the estimate takes over per tick"""
+    """observer gain of positions: share of the innovation added to the estimate per tick"""
     velocity: t.Positive[t.Share]
-    """the same of velocities"""
+    """observer gain of velocities"""
 
 
 class ModelBasedConfig(t.Group, kw_only=True):
-    """What controllers with a whole-body QP share."""
+    """Settings shared by controllers with a whole-body QP."""
 
     substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control tick"""
     height: t.Positive[t.Factor]
-    """of the pendulum, as a share of that of the centre of mass in the nominal pose"""
+    """pendulum height, relative to the height of the centre of mass in the nominal pose"""
     step: StepConfig
     velocity: VelocityConfig
     entry: EntryConfig
     whole_body: WholeBodyConfig
     observer: ObserverConfig | None = None
-    """null: the controller receives what is measured"""
+    """null: the controller receives the measured state"""
     label: str = ""
-    """what tables and figures call it"""
+    """name in tables and figures"""
 
 
 class MpcConfig(ModelBasedConfig, kw_only=True):
     """A model-predictive controller: footstep planner, swing and whole-body control."""
 
     family: Literal["mpc"]
-    """how it walks: footsteps planned on a pendulum"""
+    """kind of controller: footsteps planned on an inverted pendulum"""
     step: Annotated[PlannedStepConfig, t.ordered("time_min", "time", "time_max")]
     planner: Annotated[PlannerConfig, t.ordered("width_min", "width_max")]
     swing: SwingConfig
@@ -194,13 +194,13 @@ class MpcConfig(ModelBasedConfig, kw_only=True):
 
 
 class OutputWeights(t.Group):
-    """Weights of the outputs' accelerations in the QP, against those of a stance foot's motion."""
+    """QP weights of the outputs' accelerations, relative to those of the stance foot's motion."""
 
     torso: t.Vector3[t.NonNegative[t.Number]]
     """yaw, roll, pitch"""
     stance_slide: t.NonNegative[t.Number]
     stance_ankle: t.NonNegative[t.Number]
-    """small: the foot's length bounds what it can do"""
+    """small, since the foot's length limits the ankle torque"""
     swing_leg: t.Vector3[t.NonNegative[t.Number]]
     """yaw, roll, pitch"""
     swing_slide: t.NonNegative[t.Number]
@@ -209,7 +209,7 @@ class OutputWeights(t.Group):
 
 
 class ChangeConfig(t.Group):
-    """Largest difference of a step's gait from the mean velocity of the step before."""
+    """Largest change from the mean velocity of a step to the gait velocity of the next one."""
 
     faster: t.Positive[t.MetresPerSecond]
     slower: t.Positive[t.MetresPerSecond]
@@ -219,25 +219,25 @@ class HzdControlConfig(ModelBasedConfig, kw_only=True):
     """Hybrid zero dynamics: the constraints of ``hzd``, enforced by a QP, with foot placement."""
 
     family: Literal["hzd"]
-    """how it walks: virtual constraints of the gait library"""
+    """kind of controller: virtual constraints of the gait library"""
     weights: OutputWeights
     ahead: t.Seconds
-    """a step's gait is for the reference velocity this much later"""
+    """look-ahead: a step's gait is chosen for the reference velocity this much later"""
     change: ChangeConfig
     fastest: t.Positive[t.MetresPerSecond]
-    """forward velocity of a gait: few faster ones walk (reports/gait_walks.csv)"""
+    """maximum forward velocity of a gait; few faster ones walk (reports/gait_walks.csv)"""
     hip_start: t.Interval[t.Number]
-    """phases at which a step can begin by the hip"""
+    """initial phases of a step for which the hip position is the phase variable, else time"""
     hip_rate: t.Interval[t.Positive[t.Number]]
-    """of the phase by the hip, as a share of the gait's; a step beyond them begins by time"""
+    """bounds of the hip's phase rate, relative to the gait's; steps that start outside use time"""
     yaw_acceleration: Annotated[t.Positive[t.Number], t.Unit("rad/s²")]
-    """with which the yaw rate of a walk follows the commanded one"""
+    """acceleration of the walk's yaw rate towards the commanded one"""
     lock: t.Share
-    """no change of the foothold from this phase on"""
+    """phase from which the foothold is no longer changed"""
     settling: t.Positive[t.Seconds]
-    """time constant with which the foothold follows"""
+    """time constant of the low-pass filter on the foothold"""
     descent: t.NonNegative[t.MetresPerSecond]
-    """of a foot without contact: past the end of its step, and while standing"""
+    """downward velocity of a foot without contact, after the end of its step and in standing"""
 
 
 FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
@@ -248,7 +248,7 @@ AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family
 
 
 def _told_apart(controls: dict[str, AnyControl]) -> dict[str, AnyControl]:
-    """Controllers with names and labels of their own."""
+    """Reject controllers with a reserved name, or without a unique label."""
     labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
         expected = f"another name than {', '.join(RESERVED)} and those that end with {ONBOARD}"

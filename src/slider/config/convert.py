@@ -1,4 +1,4 @@
-"""Between plain nested values and typed configuration objects."""
+"""Conversion between plain nested values and typed configuration objects."""
 
 import copy
 import json
@@ -16,7 +16,7 @@ from slider.core.files import flatten
 
 T = TypeVar("T")
 _LONGEST = 100  # characters of a value in a message
-# Of pydantic's messages: "List should have at least 1 item after validation, not 0".
+# Removed from pydantic's messages: "List should have at least 1 item after validation, not 0".
 _FRAME = re.compile(r"^\w+ should (be|have) |^Value error, |( after validation)?, not \d+$")
 
 
@@ -26,7 +26,7 @@ def to_dict(config: Any) -> dict[str, Any]:
 
 
 def from_dict(cls: type[T], values: Any, key: str = "") -> T:
-    """A configuration object from plain nested values; ``key`` is the dotted name of the whole.
+    """A configuration object from plain nested values; ``key`` is its dotted name.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -55,14 +55,14 @@ def with_settings(values: Mapping[str, Any], settings: Mapping[str, Any]) -> dic
 
 @cache
 def _adapter(cls: type[T]) -> TypeAdapter[T]:
-    """Types are built when they are first used."""
+    """Adapter of a type, built at the first use."""
     return TypeAdapter(cls)
 
 
 def _mistake(error: ValidationError, values: Any, key: str) -> str:
     """One line about the first mistake: key, what was expected and what was found.
 
-    The types of a union each have an error: that of the nearest type is deepest.
+    Each type of a union has an error: the one of the best matching type is the deepest.
     """
     items = [(_place(item["loc"], values), item) for item in error.errors()]
     first, _ = items[0]
@@ -93,7 +93,7 @@ def _mistake(error: ValidationError, values: Any, key: str) -> str:
 
 
 def _place(location: tuple[str | int, ...], values: Any) -> list[str | int]:
-    """The parts of a location that lead somewhere; others are names of types."""
+    """Parts of pydantic's location that are keys or indices of ``values``; others name types."""
     place: list[str | int] = []
     for part in location:
         try:

@@ -292,9 +292,9 @@ class RangeConfig(t.Group):
     """Search range of a setting, widened to contain its current value."""
 
     lower: t.Number
-    """least value"""
+    """lower bound"""
     upper: t.Number
-    """greatest value"""
+    """upper bound"""
     log: bool = False
     """sample uniformly in the logarithm"""
 

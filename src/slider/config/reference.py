@@ -1,6 +1,6 @@
 """Reference of the configuration: type, unit, bound, default and meaning of every key.
 
-All is read from the types of the schema, for ``slider config``, the documentation and editors.
+Generated from the types of the schema, for ``slider config``, the documentation and editors.
 """
 
 import ast
@@ -26,7 +26,7 @@ _NAMES = {
 }
 _LOWER, _UPPER = ("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")
 _OTHERS = "additionalProperties"
-_LINEAR = "slide"  # the joint that moves along a line: its unit comes after a bar
+_LINEAR = "slide"  # the prismatic joint, which has the unit after the bar
 _INTRODUCTION = f"""\
 # Configuration reference
 
@@ -37,7 +37,7 @@ Generated from the types of the schema. Defaults are those of `experiment=defaul
 
 
 class Kind(NamedTuple):
-    """What a value may be: a ``number``, ``rad`` or ``-``, ``(0, 1]`` and ``each once``."""
+    """Type, unit and bound of a value, such as ``number``, ``rad`` and ``(0, 1], each once``."""
 
     name: str
     unit: str
@@ -45,7 +45,7 @@ class Kind(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """One key: dotted path, what its value may be, default as text, meaning."""
+    """One key: dotted path; type, unit and bound of its value; default as text; meaning."""
 
     key: str
     type: str
@@ -56,7 +56,7 @@ class Entry(NamedTuple):
 
 
 def entries(config: Config, parameters: Mapping[str, Any]) -> list[Entry]:
-    """Every key of a configuration, in its order; ``parameters`` has types of terms' parameters."""
+    """Entries of all keys, in their order; ``parameters`` holds types of the terms' parameters."""
     nodes = {path: _schema(hint) for path, hint in parameters.items()}
     return list(_entries(config, _schema(Config), "", "", nodes))
 
@@ -65,7 +65,7 @@ def matching(items: list[Entry], pattern: str) -> list[Entry]:
     """Entries at or below a key, or whose key matches a pattern such as ``*.ppo.*``.
 
     Raises:
-        UserError: there is none.
+        UserError: no key matches.
     """
     chosen = [
         item
@@ -93,9 +93,9 @@ def page(config: Config, parameters: Mapping[str, Any]) -> str:
 
 
 def editor_schema(key: str) -> dict[str, Any]:
-    """JSON schema of the YAML files of a group, such as ``gait``; of the whole without a key.
+    """JSON schema of the YAML files of a group, such as ``gait``, or of the root for an empty key.
 
-    A file may leave values to others, refer to them by ``${...}`` and have a defaults list.
+    A file may omit values, refer to others by ``${...}`` and have a defaults list.
 
     Raises:
         UserError: there is no such group.
@@ -115,7 +115,7 @@ def _partial(node: Any) -> Any:
     if not isinstance(node, dict):
         return node
     node = {name: _partial(value) for name, value in node.items() if name != "required"}
-    node |= {"anyOf": node.pop("oneOf")} if "oneOf" in node else {}  # both, without what tells them
+    node |= {"anyOf": node.pop("oneOf")} if "oneOf" in node else {}  # no discriminator
     if node.get("type") == "object" and "properties" in node:
         node["properties"] = {"defaults": {"type": "array"}} | node["properties"]
     simple = isinstance(node.get("type"), str) and node["type"] not in ("string", "null")
@@ -124,14 +124,14 @@ def _partial(node: Any) -> Any:
 
 
 def meaning(cls: Any, name: str) -> str:
-    """Text under a field in the schema, in its class or in the one that it inherits from."""
+    """Docstring of a field, from its class or from a base class."""
     texts = (_meanings(base).get(name) for base in cls.__mro__ if is_dataclass(base))
     return next(filter(None, texts), "")
 
 
 @lru_cache
 def _meanings(cls: type) -> dict[str, str]:
-    """Docstrings of the fields that a class adds; pydantic would read them in every job."""
+    """Docstrings of the fields that a class adds; reading by pydantic would slow every job."""
     (tree,) = ast.parse(dedent(inspect.getsource(cls))).body
     assert isinstance(tree, ast.ClassDef)
     texts = {}
@@ -144,7 +144,7 @@ def _meanings(cls: type) -> dict[str, str]:
 
 @lru_cache
 def _schema(hint: Any) -> dict[str, Any]:
-    """JSON schema of a type, with definitions in the place of references."""
+    """JSON schema of a type, with references replaced by their definitions."""
     schema = TypeAdapter(hint).json_schema()
     definitions = schema.pop("$defs", {})
 
@@ -167,7 +167,7 @@ def _options(node: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _kind(node: dict[str, Any]) -> Kind:
-    """Kind of a node; of a union the last one, and the others as rules."""
+    """Kind of a node; for a union that of its last type, with the others as rules."""
     *others, main = _options(node)
     rules = list(dict.fromkeys(part["rule"] for part in (main, node) if "rule" in part))
     rules += [f"or {_kind(other).name}" for other in others]
@@ -194,7 +194,7 @@ def _name(node: dict[str, Any]) -> str:
 
 
 def _interval(node: dict[str, Any]) -> str:
-    """Such as ``(0, 1]``; the tighter bounds count."""
+    """Interval such as ``(0, 1]``, from the tightest bounds."""
     lower = [(node[name], name != "minimum") for name in _LOWER if name in node]
     upper = [(node[name], name == "maximum") for name in _UPPER if name in node]
     if not lower or not upper:
@@ -207,10 +207,10 @@ def _interval(node: dict[str, Any]) -> str:
 def _entries(
     value: Any, node: dict[str, Any], path: str, text: str, parameters: Mapping[str, Any]
 ) -> Iterator[Entry]:
-    """Each key at or below a path.
+    """Entries of all keys at or below a path.
 
-    What has no meaning of its own has that of the group around it. The parameters of a term without
-    any are no key.
+    A key without a docstring inherits the meaning of its group. The empty parameters of a term have
+    no entry.
     """
     group = is_dataclass(value)
     if not group and not (isinstance(value, dict) and value):
@@ -223,7 +223,7 @@ def _entries(
             default = default if len(default) <= 90 else default[:87] + "…"
             yield Entry(path, name, unit, bound, default, text)
         return
-    own = type(value).__name__  # of a union the type that the value has
+    own = type(value).__name__  # in a union, the type that the value has
     for name, item in (vars(value) if group else value).items():
         below = (meaning(type(value), name) if group else "") or text
         if group and not below and not isinstance(item, dict) and not is_dataclass(item):
@@ -237,6 +237,6 @@ def _entries(
 
 
 def _first_line(group: Any) -> str:
-    """Of the text about a group, or about the first of several by name."""
+    """First line of the docstring of a group, or of the first group in a dictionary."""
     some = next(iter(group.values())) if isinstance(group, dict) else group
     return (type(some).__doc__ or "").strip().splitlines()[0]

@@ -1,4 +1,4 @@
-"""Root of the typed configuration, and the groups that no stage takes as its section."""
+"""Root of the typed configuration, and groups that are not the section of a stage."""
 
 from dataclasses import field
 from typing import Annotated
@@ -26,61 +26,61 @@ Samples = Annotated[int, Field(ge=1, le=1_000_000_000_000)]
 
 
 class VariantConfig(t.Group):
-    """One row of a study: its name for people, and Hydra overrides of the configuration."""
+    """One row of a study: its display name and its Hydra overrides."""
 
     label: t.Name
     """name in table and figure"""
     overrides: list[t.Name]
-    """of the configuration that the pipeline was given"""
+    """Hydra overrides of the configuration that the pipeline was started with"""
 
 
 class ScalingConfig(t.Group):
-    """Further variants: numbers of the robot, each multiplied by two factors, one at a time."""
+    """Further variants: parameters of the robot, scaled one at a time by two factors."""
 
     change: Annotated[t.Share, Field(gt=0, lt=1)]
-    """the factors are 1 − this and 1 + this"""
+    """relative change: the factors are 1 − change and 1 + change"""
     provenance: t.Distinct[t.Some[Provenance]]
-    """tags of the numbers that vary"""
+    """provenance tags of the parameters that vary"""
     parameters: list[t.Name]
     """dotted names below robot, or groups of them; empty: all with these tags"""
 
 
 class StartsConfig(t.Group):
-    """Random initial guesses of each gait, each solved by itself."""
+    """Random initial guesses for each gait, solved independently."""
 
     count: t.Count
-    """per variant and speed"""
+    """number of guesses per variant and speed"""
     seed: t.Seed
-    """start k is the same at every speed, however many there are"""
+    """seed of the guesses; guess k is the same at every speed and for every ``count``"""
     same_cost: t.Tolerance
     """relative difference of cost up to which two solutions count as one optimum"""
     spread: StartSpread
 
 
 class BudgetConfig(t.Group):
-    """Trainings of each variant, the same length for all."""
+    """Trainings of each variant, with the same budget for all."""
 
     seeds: t.Distinct[t.Some[t.Seed]]
-    """of standing and walking; one training each"""
+    """training seeds; one training (standing and walking) per seed"""
     samples: Samples
-    """control steps of a robot, of a walking training"""
+    """environment steps of a walking training"""
     pretraining_samples: Samples
-    """of a standing training, where there is one"""
+    """environment steps of a standing training, if there is one"""
     check_every: Samples
-    """samples between checks: the points of the learning curves"""
+    """environment steps between checks, which are the points of the learning curves"""
 
 
 class RolloutsConfig(t.Group):
-    """Evaluations of each variant; all else is as in ``evaluation``."""
+    """Evaluations of each variant; all other settings are those of ``evaluation``."""
 
     trials: Annotated[t.Count, Field(le=100_000)]
-    """each with a seed of its own"""
+    """number of trials, each with its own seed"""
     robots: t.Count
-    """per trial"""
+    """robots per trial"""
     seed: t.Seed
-    """of the first trial"""
+    """seed of the first trial"""
     controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=lambda: [POLICY])
-    """each but the policy has a row of its own; baselines walk the gaits of the variant"""
+    """evaluated controllers; each except the policy has its own row and uses the variant's gaits"""
 
 
 class StudyConfig(t.Group):
@@ -98,11 +98,11 @@ class StudyConfig(t.Group):
     gaits: bool = False
     """solve the gaits of each variant"""
     starts: StartsConfig | None = None
-    """solve them from random guesses too; null: not"""
+    """also solve them from random initial guesses; null: no"""
     training: BudgetConfig | None = None
     """train each variant; null: the pipeline's policy, not retrained, on each variant's robot"""
     evaluation: RolloutsConfig | None = None
-    """evaluate each variant; null: not"""
+    """evaluate each variant; null: no"""
 
     def __post_init__(self) -> None:
         t.require(self.gaits or self.evaluation, "", "gaits=true or an evaluation")
@@ -114,7 +114,7 @@ class StudyConfig(t.Group):
 
 
 class TrackingConfig(t.Group):
-    """MLflow."""
+    """Experiment tracking with MLflow."""
 
     enabled: bool
     """false: no MLflow run is written"""
@@ -126,25 +126,25 @@ class StoreConfig(t.Group):
     """The store of results. Never part of a recipe."""
 
     remote: t.Name | None
-    """where missing results are taken from: a folder, ``s3://…``, ``sftp://…``, ``https://…``"""
+    """source of missing results: a folder, ``s3://…``, ``sftp://…`` or ``https://…``; null: none"""
 
 
 class ResourcesConfig(t.Group):
-    """Of the machine that computes. Never part of a recipe."""
+    """Resources of the machine that runs the jobs. Never part of a recipe."""
 
     threads: Annotated[t.Count, Field(le=1024)] | None
-    """cores of a training (other jobs have one); null: one, and idle ones beside it"""
+    """cores per training (other jobs have one); null: one, plus cores that are idle"""
 
 
 class Config(t.Group):
     """Root of the configuration; one field per group of ``conf/``.
 
-    ``control`` holds the controllers beside the policy, by the name that evaluations have for them.
+    ``control`` holds the controllers other than the policy, by the name used in evaluations.
     ``evaluation`` is the protocol of Table 1; ``protocols`` are others, each with its own report.
-    ``finetuning`` goes on from the walking policy; its result is then the policy.
+    ``finetuning`` continues training from the walking policy; its result is then the policy.
     """
 
-    speeds: SpeedsConfig  # first: a mistake in it is reported here, not where it is referred to
+    speeds: SpeedsConfig  # first: an error in it is reported here, not where it is referred to
     robot: RobotConfig
     gait: GaitConfig
     library: LibraryConfig

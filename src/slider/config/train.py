@@ -49,7 +49,7 @@ class RewardConfig(t.Group):
     scale: t.Positive[t.Number]
     """factor on the sum of the terms"""
     floor: t.Number
-    """least value of the sum, before ``scale``"""
+    """lower bound of the sum, before ``scale``"""
     on_fall: t.Number
     """added when the episode ends in a fall"""
 

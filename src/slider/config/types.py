@@ -1,7 +1,7 @@
-"""What values of the configuration may be: bounds, units, and their combinations.
+"""Types of configuration values: bounds, units and rules that can be combined.
 
-The schema combines them, ``t.Positive[t.Metres]``, with a text under each field. Upper bounds are
-generous: they refuse what cannot be a length, time or count, such as 1e30.
+The schema combines them, ``t.Positive[t.Metres]``, and each field has a docstring. Upper bounds are
+generous: they reject what cannot be a length, time or count, such as 1e30.
 """
 
 import json
@@ -27,20 +27,20 @@ _STRICT = ConfigDict(
     extra="forbid",
     strict=True,
     allow_inf_nan=False,
-    defer_build=True,  # of a hundred classes a job needs the validators of a few
+    defer_build=True,  # a job needs the validators of only a few of a hundred classes
 )
 
 SAME = 1e-6
-"""Numbers of a list that are not further apart are one number, written twice."""
+"""Numbers of a list count as equal up to this difference."""
 
 T = TypeVar("T")
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 class Group:
-    """A group of values: its subclasses are frozen dataclasses that check their values.
+    """Base class of groups of values: subclasses are frozen dataclasses that check their values.
 
-    Unknown keys, other types, infinity and NaN are refused. A rule about several values of a group
+    Unknown keys, wrong types, infinity and NaN are rejected. A rule about several values of a group
     is a :func:`require` in its ``__post_init__``.
     """
 
@@ -50,13 +50,13 @@ class Group:
 
 
 def Unit(text: str) -> Any:
-    """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
+    """Unit of a number; ``rad | m``: for revolute joints, and for the slide."""
     return Field(json_schema_extra={"unit": text})
 
 
 @dataclass(frozen=True)
 class Rule:
-    """What else must hold of a value: words, test, and which ``names`` of a group it compares."""
+    """Further condition on a value: description, test, and ``names`` of a group it compares."""
 
     text: str
     holds: Callable[[Any], object]
@@ -80,9 +80,9 @@ class Rule:
 
 
 class Multiple(Rule):
-    """A whole number of steps, whose length is at a dotted name of the whole configuration.
+    """Integer multiple of a step that is given at a dotted name of the complete configuration.
 
-    A section of a job is not the whole: its values have been checked.
+    Not checked in the section of a job, which lacks that name: its values have been checked.
     """
 
     def __init__(self, step: str) -> None:
@@ -100,9 +100,9 @@ class Multiple(Rule):
 
 
 def require(condition: object, name: str, expected: str, found: object = None) -> None:
-    """Refuse a group unless a condition holds of the value at a dotted name below it.
+    """Reject a group unless a condition holds for the value at a dotted name below it.
 
-    ``found`` is said in the place of the whole group.
+    The message shows ``found`` instead of the whole group.
     """
     if not condition:
         own = {} if found is None else {"found": str(found)}
@@ -110,13 +110,13 @@ def require(condition: object, name: str, expected: str, found: object = None) -
 
 
 def complete(name: str, names: Iterable[str], expected: Iterable[str]) -> None:
-    """Refuse a group whose value ``name`` has not exactly the expected names, in any order."""
+    """Reject a group whose value ``name`` does not have exactly the expected keys, in any order."""
     names, expected = tuple(names), tuple(expected)
     require(set(names) == set(expected), name, ", ".join(expected), ", ".join(names))
 
 
 def ordered(*names: str, strict: bool = False) -> Rule:
-    """Attributes of a group that do not fall, or that rise."""
+    """Rule that attributes of a group do not decrease, or, if ``strict``, increase."""
 
     def holds(group: Any) -> bool:
         pairs = pairwise(getattr(group, name) for name in names)
@@ -131,7 +131,7 @@ def _distinct(values: list[Any]) -> bool:
 
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
-"""Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
+"""Name of a target, file or row that is valid in shells, file systems and tables."""
 
 
 def _named(items: dict[str, Any]) -> dict[str, Any]:
@@ -180,9 +180,9 @@ class Interval(Group, Generic[T]):
     """Closed interval."""
 
     lower: T
-    """least value"""
+    """lower bound"""
     upper: T
-    """greatest value"""
+    """upper bound"""
 
     def __post_init__(self) -> None:
         require(self.lower <= self.upper, "", "lower ≤ upper")  # pyright: ignore[reportOperatorIssue]

@@ -1,4 +1,4 @@
-"""Rules between groups of values; types have those within one. Stages get checked values."""
+"""Rules across groups of the configuration; rules within a group belong to its type."""
 
 from itertools import pairwise
 
@@ -9,7 +9,7 @@ from slider.core.errors import one_of, require
 
 
 def validate(config: Config) -> None:
-    """Raise a ``UserError`` about the first value that does not fit the others."""
+    """Raise a ``UserError`` about the first value that is inconsistent with the others."""
     gait, robot = config.gait, config.robot
     if robot.virtual_knee is None:  # gaits are in the leg's own coordinates
         for name, value in ("kinematic_map", "exact"), ("dynamics", "prismatic"):
@@ -96,19 +96,19 @@ def _evaluations(config: Config) -> None:
 
 
 def _seeds(config: Config) -> None:
-    """Every evaluation is of one block; checkpoints and variants are chosen in development."""
+    """Each evaluation uses one block; checkpoints and variants are selected in development."""
     chosen, final, trainings = [config.seeds.development], config.seeds.final, config.trainings
     both = [final, *chosen]
     drawn = {key: (p.seed, p.trials, both) for key, p in config.evaluations.items()}
     drawn |= {"gauge": (config.gauge.seed, config.gauge.trials, both)}
     drawn |= {"tuning": (config.tuning.seed, 2, chosen)}
     drawn |= {f"{key}.selection": (t.selection.seed, 1, chosen) for key, t in trainings.items()}
-    trained = {f"{key}.seed": t.seed for key, t in trainings.items()}  # not of reported robots
+    trained = {f"{key}.seed": t.seed for key, t in trainings.items()}  # must not be final seeds
     for key, study in ((f"study.{name}", study) for name, study in config.study.items()):
         seeds = enumerate(study.training.seeds if study.training else [])
         trained |= {f"{key}.training.seeds[{index}]": seed for index, seed in seeds}
         if (own := study.evaluation) is not None:
-            # Trained variants are there to be chosen from; other policies are only reported.
+            # Trained variants are candidates for a selection; other policies are only reported.
             blocks = chosen if study.training and len(study.run) > 1 else both
             drawn[f"{key}.evaluation"] = own.seed, own.trials, blocks
     for key, seed in trained.items():

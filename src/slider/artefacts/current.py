@@ -1,4 +1,4 @@
-"""Plans of a store, and the results of the current one: that which Snakemake laid out last."""
+"""Plans of a store, and results of the current plan: the one that Snakemake created last."""
 
 import argparse
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
 ALIASES = {"policy": "walking", "gait_library": "library", "index": "report"}
-"""Names of reports whose target has another name."""
+"""Report name → target name, where the two differ."""
 
 
 def add_store_argument(parser: argparse.ArgumentParser) -> None:
@@ -21,7 +21,7 @@ def add_store_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def current_plan(store: Store) -> Plan | None:
-    """The plan that was laid out last, if there is any."""
+    """The plan that was created last, if there is any."""
     return next(recent_plans(store), None)
 
 
@@ -33,7 +33,7 @@ def recent_plans(store: Store) -> Iterator[Plan]:
 
 
 def find_target(text: str, plan: Plan) -> str:
-    """Name of the target that a person means: itself, a report of it or an alias.
+    """Name of a target given by its name, a report file of it or an alias.
 
     Raises:
         UserError: the plan has no such target.
@@ -49,7 +49,7 @@ def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Pa
     """Job of a named target of the current plan and the folder of its object.
 
     Raises:
-        UserError: there is no whole one; names the ``command`` that computes it.
+        UserError: there is no intact result; the message names the ``command`` that computes it.
     """
     plan = current_plan(store)
     job = plan.jobs[plan.targets[target]] if plan and target in plan.targets else None

@@ -1,6 +1,6 @@
-"""How long a job takes: as earlier ones of its kind, in proportion to its size.
+"""Forecast of a job's duration: proportional to its size, at the rate of earlier jobs of its kind.
 
-A kind that this store has not computed yet has the rate of a table that ships.
+For a kind that this store has not computed yet, the rate is that of a table in the package.
 """
 
 import csv
@@ -30,18 +30,18 @@ _FACTORS = {
     "gait_walks": ("steps",),
     "video": ("video.duration",),
 }
-"""Stage → values of its section that its time is in proportion to; of a list, its length."""
+"""Stage → values of its section that its time is proportional to; a list counts by its length."""
 Rates = Mapping[str, Sequence[float]]
 """Kind → seconds per size of its jobs."""
 
 
 def kind(job: JobSpec) -> str:
-    """Stage of a job, and the controller that it evaluates."""
+    """Stage of a job, followed by the controller that it evaluates, if any."""
     return " ".join(filter(None, (job.stage, job.section.get("controller"))))
 
 
 def size(job: JobSpec) -> float:
-    """Product of the values that the time of a job is in proportion to."""
+    """Product of the values that the time of a job is proportional to."""
     values = flatten(job.section)
     found = (values.get(key) for key in _FACTORS.get(job.stage, ()))
     factors = (len(value) if isinstance(value, list) else value for value in found)
@@ -49,7 +49,7 @@ def size(job: JobSpec) -> float:
 
 
 def computed(store: Store, stages: Iterable[str]) -> dict[str, list[tuple[float, float]]]:
-    """Processor seconds and seconds per size of the jobs of some stages, by kind."""
+    """CPU time [s] and time per size of the computed jobs of some stages, by kind."""
     jobs: dict[str, list[tuple[float, float]]] = {}
     for stage in stages:
         for path in store.root.glob(f"{stage}/*.run.json"):
@@ -63,9 +63,9 @@ def computed(store: Store, stages: Iterable[str]) -> dict[str, list[tuple[float,
 
 
 def known_rates(store: Store, stages: Iterable[str]) -> Rates:
-    """Processor seconds per size of the jobs of some stages.
+    """Times per size [s] of the jobs of some stages, by kind.
 
-    A kind without any has the rate of the table that ships, which ``slider store times`` writes.
+    A kind without computed jobs has the rate of the table that ``slider store times`` writes.
     """
     with package_files("slider.artefacts").joinpath(TABLE).open(encoding="utf-8") as file:
         rates = {row["kind"]: [float(row["rate"])] for row in csv.DictReader(file)}
@@ -74,6 +74,6 @@ def known_rates(store: Store, stages: Iterable[str]) -> Rates:
 
 
 def expected(job: JobSpec, rates: Rates) -> float:
-    """Expected wall time of a job [s], start of its process included."""
+    """Expected wall time of a job [s], including the start of its process."""
     earlier = rates.get(kind(job))
     return START + (statistics.median(earlier) * size(job) if earlier else _UNKNOWN)

@@ -19,9 +19,9 @@ _MISSING = object()
 def differences(
     old: Plan, new: Plan, target: str, stores: tuple[Store, Store]
 ) -> dict[str, list[JobSpec]]:
-    """Causes of the difference of a target in two plans, with the jobs that they act on directly.
+    """Causes for which a target differs between two plans, with the jobs they affect directly.
 
-    Jobs of one recipe differ only where the ``stores`` of the plans hold other objects of it.
+    Jobs with the same recipe differ only if the ``stores`` of the plans hold different objects.
     """
     before, after = old.jobs_of(target), new.jobs_of(target)
     partners = _partners(before, after)
@@ -48,9 +48,9 @@ def differences(
 
 
 def _partners(old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
-    """Old job in the place of each new one, by the latter's recipe.
+    """Old counterpart of each new job, by the recipe of the new job.
 
-    It has the same recipe, or else is the next one of the same stage and label.
+    It has the same recipe, or else it is the next unmatched job with the same stage and label.
     """
     partners = {recipe: old[recipe] for recipe in new if recipe in old}
     left: dict[tuple[str, str], list[JobSpec]] = {}
@@ -64,9 +64,9 @@ def _partners(old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]) -> dict[st
 
 
 def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[str]]]:
-    """Jobs without a whole result that lead to a target, inputs first, each with its reasons.
+    """Jobs that a target needs and that lack an intact result, inputs first, with the reasons.
 
-    They are compared with those of the latest plan in which the target was computed.
+    They are compared with the jobs of the latest plan for which the target was computed.
     """
     needed, waiting = set[str](), [plan.jobs[plan.targets[target]]]
     while waiting:
@@ -96,7 +96,7 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
 
 
 def _causes(old: JobSpec, new: JobSpec) -> list[str]:
-    """Differences of two jobs but for their inputs: settings, then packages, then modules."""
+    """Differences between two jobs other than their inputs: settings, packages, then modules."""
     settings = _leaves(old.section, new.section)
     packages = _leaves(old.code.versions, new.code.versions, "package ")
     values = (f"{name} {_brief(a)} → {_brief(b)}" for name, a, b in chain(settings, packages))
@@ -112,7 +112,7 @@ def _brief(value: Any) -> str:
 
 
 def _leaves(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Name of a value that differs, before, after; in the order of the second tree."""
+    """Name, old and new value of each difference between two trees, in the order of the second."""
     if not isinstance(old, Mapping) or not isinstance(new, Mapping):
         if type(old) is not type(new) or old != new:
             yield name.removesuffix("."), old, new

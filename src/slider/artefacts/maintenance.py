@@ -1,4 +1,4 @@
-"""Care of the store: verify, remove what no recent plan reaches."""
+"""Maintenance of the store: verify it, remove what no recent plan refers to."""
 
 import os
 import re
@@ -14,7 +14,7 @@ from slider.core.errors import require
 
 
 def verify(store: Store) -> list[str]:
-    """Read everything and drop the manifests that lead to no whole object; see ``drop_damaged``.
+    """Read everything and drop manifests without an intact object; see ``drop_damaged``.
 
     Raises:
         UserError: a job is running, or something cannot be read.
@@ -24,13 +24,13 @@ def verify(store: Store) -> list[str]:
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path], dry_run: bool = False) -> list[str]:
-    """Remove those of some manifests that lead to no whole object; describe the damage.
+    """Remove manifests that are unreadable or lack an intact object; return a line for each.
 
-    Results that came from a damaged object stay: its content was checked when they were computed,
-    so that was before the damage. The object is replaced when it is computed again.
+    Results computed from a damaged object are kept: its content was checked at that time, so the
+    damage is more recent. The object is replaced when it is computed again.
 
     Raises:
-        NotReadError: something cannot be read, which says nothing about it.
+        NotReadError: something cannot be read, which does not mean that it is damaged.
     """
     lines: list[str] = []
     for path in filter(os.path.lexists, manifests):
@@ -45,10 +45,10 @@ def drop_damaged(store: Store, manifests: Iterable[Path], dry_run: bool = False)
 
 
 def collect(store: Store, keep: int, dry_run: bool = False) -> list[str]:
-    """Remove objects and manifests that none of the ``keep`` latest plans reaches, and litter.
+    """Remove objects and manifests that none of the ``keep`` latest plans refers to; return names.
 
-    Plans and manifests count by the digests in their text, whatever version wrote them. Return the
-    names of objects and manifests.
+    References are all digests in the text of plans and manifests, whichever version wrote them.
+    Temporary files, caches, and logs of removed results are deleted as well.
 
     Raises:
         UserError: a job is running, or no plan would be kept.
@@ -80,7 +80,7 @@ def _digests(path: Path) -> set[str]:
 
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
-    """Unfinished results, caches, half-written files; what is beside results of lost recipes."""
+    """Remove unfinished results, caches, partial files; logs, metadata, work of other recipes."""
     for folder in (store.tmp, store.root / "cache"):
         shutil.rmtree(folder, ignore_errors=True)
     folders = (path for path in files.entries(store.root) if path.name != "objects")

@@ -1,4 +1,4 @@
-"""Manifests: what a recipe led to, as it is written and read."""
+"""Manifests: the result of a recipe, and the file format for it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -30,10 +30,10 @@ class Result:
 
 @dataclass(frozen=True)
 class Manifest:
-    """The result of a recipe; holds no run metadata.
+    """The result of a recipe, without run metadata.
 
     ``inputs`` are the recipes of the inputs by name, ``input_objects`` their objects, whose content
-    was checked before they were used. The entry ``key`` of the store's index has the same result.
+    was verified before use. The entry ``key`` of the store's index holds the same result.
     """
 
     stage: str
@@ -48,7 +48,7 @@ _MANIFESTS = TypeAdapter(Manifest)
 
 
 def damaged(stage: str, digest: str) -> UserError:
-    """The error of a result whose content is not what its name says."""
+    """Error about a result whose content does not match its digest."""
     return UserError(
         f"expected the {stage} result {digest[:12]} whole, "
         "found it damaged: run `slider store verify`"
@@ -76,7 +76,7 @@ def parse_manifest(path: Path) -> Manifest:
 
 
 def readable(path: Path) -> Manifest | None:
-    """A manifest file, if it is whole and of this version.
+    """The manifest in a file, or None if it is missing, damaged or of another version.
 
     Raises:
         NotReadError: it cannot be read.
@@ -90,13 +90,13 @@ def readable(path: Path) -> Manifest | None:
 
 
 def manifest_from(values: Any) -> Manifest:
-    """The manifest of plain values, such as those of a file; nothing in them is trusted.
+    """Validate plain values, such as the content of a file, and convert them to a manifest.
 
     Raises:
-        ValueError: they are none of ours, or were changed.
+        ValueError: the values are not a manifest, or do not match its digest.
     """
     manifest = _MANIFESTS.validate_python(values)
-    if plain_manifest(manifest) != values:  # with the digest
+    if plain_manifest(manifest) != values:  # including the digest
         raise ValueError("expected the values that were written, found others")
     table = manifest.result.files
     if not all(map(_is_plain, table)):
@@ -107,13 +107,13 @@ def manifest_from(values: Any) -> Manifest:
 
 
 def _is_plain(name: str) -> bool:
-    """Whether a name leads to a file below a folder, in its shortest form."""
+    """Whether a name is a normalised relative path that does not leave its folder."""
     path = PurePosixPath(name)
     below = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
     return below and name.isprintable() and str(path) == name
 
 
 def plain_manifest(manifest: Manifest) -> dict[str, Any]:
-    """A manifest as plain values, with the digest of all others."""
+    """A manifest as plain values, with a digest of these values."""
     values = {"schema": SCHEMA, **files.plain(asdict(manifest))}
     return values | {"digest": files.digest_value(values)}

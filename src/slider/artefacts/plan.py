@@ -1,7 +1,7 @@
-"""The plan: every job that leads to the current results, with all that a job needs to know.
+"""The plan: every job that the current results need, with the complete input of each job.
 
-Written when the workflow is read, so that a job depends neither on Hydra nor on what happens to
-the configuration files later.
+Written when Snakemake reads the workflow, so that a job depends neither on Hydra nor on later
+changes of the configuration files.
 """
 
 import json
@@ -18,14 +18,14 @@ from slider.core import files
 from slider.core.errors import UserError, not_read
 
 OF_MACHINE = ("numerics", "device", "precision")
-"""Names in sections whose values belong to the machine that a job runs on."""
+"""Names in sections whose values depend on the machine that a job runs on."""
 
 
 @dataclass(frozen=True)
 class JobSpec:
-    """One stage with its own part of the configuration, the section, and its inputs by name.
+    """One run of a stage: its part of the configuration (the section) and its inputs by name.
 
-    The ``label`` is for people. A ``tracked`` job is a run of its own in MLflow.
+    The ``label`` is for display. A ``tracked`` job has its own run in MLflow.
     """
 
     stage: str
@@ -37,7 +37,7 @@ class JobSpec:
 
     @cached_property
     def recipe(self) -> str:
-        """Digest of all attributes but ``label`` and ``tracked``."""
+        """Digest of all attributes except ``label`` and ``tracked``."""
         return self.key(self.input_recipes)
 
     @property
@@ -47,10 +47,10 @@ class JobSpec:
 
     @cached_property
     def plan_digests(self) -> dict[str, str]:
-        """Digests of the ``settings`` and of the ``source`` with packages, of all jobs up to here.
+        """Digests of ``settings`` and of ``source`` with packages, of this job and all its inputs.
 
-        Settings have none of :data:`OF_MACHINE`. The source is that of one version of Python,
-        since syntax trees differ.
+        Settings leave out :data:`OF_MACHINE`. The digest of the source depends on the version of
+        Python, since syntax trees differ between versions.
         """
         code = [self.code.entry, self.code.source, self.code.versions]
         own = {"settings": [self.stage, _of_any_machine(self.section)], "source": code}
@@ -68,9 +68,9 @@ class JobSpec:
         return [job for jobs in self.inputs.values() for job in jobs]
 
     def key(self, inputs: Groups) -> str:
-        """From the recipes of the inputs the recipe; from their objects the key of the index.
+        """The recipe, given the recipes of the inputs; the index key, given their objects.
 
-        Versions of this project with other manifests have other recipes, and keep theirs.
+        Versions of this project with another manifest schema have different recipes.
         """
         code = [self.code.entry, self.code.source, self.code.versions]
         groups = {name: list(digests) for name, digests in inputs.items()}
@@ -85,13 +85,13 @@ def _of_any_machine(values: Any) -> Any:
 
 @dataclass(frozen=True)
 class Plan:
-    """Jobs by recipe, inputs before those who use them, and the recipe of each named target."""
+    """Jobs by recipe in topological order, inputs first, and the recipe of each named target."""
 
     jobs: Mapping[str, JobSpec]
     targets: Mapping[str, str]
 
     def jobs_of(self, *targets: str) -> Mapping[str, JobSpec]:
-        """Jobs that some targets need, inputs first."""
+        """Jobs that the given targets need, inputs first."""
         return build_plan({name: self.jobs[self.targets[name]] for name in targets}).jobs
 
 
@@ -123,7 +123,7 @@ def plan_paths(folder: Path) -> list[Path]:
 
 
 def write_plan(plan: Plan, folder: Path) -> Path:
-    """Write a plan under the digest of its content, if it is not there whole, as the latest."""
+    """Write a plan under the digest of its content, unless it is intact; make it the latest."""
     text, path = f"{files.canonical(_to_values(plan))}\n", plan_path(plan, folder)
     if not path.is_file() or path.read_bytes() != text.encode():
         files.write_atomic(path, text)
@@ -132,10 +132,10 @@ def write_plan(plan: Plan, folder: Path) -> Path:
 
 
 def read_plan(path: Path) -> Plan:
-    """Read a plan; its recipes are those with which it was laid out.
+    """Read a plan; recipes are read from the file, not computed again.
 
     Raises:
-        UserError: the file is missing, is not the plan that its name says, or of another version.
+        UserError: the file is missing, does not match its name's digest, or has another format.
         NotReadError: it cannot be read.
     """
     try:
@@ -150,7 +150,7 @@ def read_plan(path: Path) -> Plan:
 
 
 def _to_values(plan: Plan) -> dict[str, Any]:
-    """Plain values. Parts of sections are digested and stored once: gaits share most of theirs."""
+    """Plain values; equal parts of sections are stored once, since gaits share most of theirs."""
     parts, codes, jobs = {}, {}, {}
     for recipe, job in plan.jobs.items():
         names = {name: files.digest_value(value)[:16] for name, value in job.section.items()}
@@ -176,5 +176,5 @@ def _from_values(values: Mapping[str, Any]) -> Plan:
         inputs = {name: [jobs[item] for item in items] for name, items in job["inputs"].items()}
         given = {"code": codes[job["code"]], "section": section, "inputs": inputs}
         jobs[recipe] = JobSpec(**job | given)
-        vars(jobs[recipe])["recipe"] = recipe  # to compute them all takes most of the time
+        vars(jobs[recipe])["recipe"] = recipe  # computing all recipes takes most of the time
     return Plan(jobs, values["targets"])

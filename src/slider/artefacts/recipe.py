@@ -1,7 +1,7 @@
 """Recipes: digests of everything that may change the result of a stage.
 
-Modules and packages that a stage imports are read from the syntax trees, so that no stage has to be
-imported to learn its recipe.
+Imports of a stage are read from the syntax trees, so that a recipe can be computed without
+importing the stage.
 """
 
 import ast
@@ -22,18 +22,18 @@ from slider.core.files import digest_file, digest_text
 SOURCE_ROOT = Path(slider.__file__).parent.parent
 NOT_INSTALLED = "absent"
 DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
-"""Endings of data files, which a source digest covers where they lie beside its modules."""
+"""Suffixes of data files, which a source digest covers if they lie beside its modules."""
 Groups = Mapping[str, Sequence[str]]
 """Name of an input → digests, in order."""
-_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # fields that hold statements
 _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 @dataclass(frozen=True)
 class Code:
-    """What runs: the entry point ``module:function``, its source digest, third-party versions.
+    """Code of a stage: entry point ``module:function``, source digest, third-party versions.
 
-    ``parts`` are the digests of the modules and data files behind ``source``, where they are known.
+    ``parts`` are the digests of the modules and data files that ``source`` covers, if known.
     """
 
     entry: str
@@ -55,12 +55,12 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
 
 
 def closure(entry: str, root: Path) -> tuple[dict[str, str], tuple[str, ...]]:
-    """Digests of the modules and data files behind ``entry``; third-party packages.
+    """Digests of the modules and data files that ``entry`` depends on; third-party packages.
 
-    Imports are followed within the entry module's own package below a folder.
+    Imports are followed within the top-level package of the entry module, below ``root``.
 
-    Digests are those of syntax trees without docstrings, those of fields too (comments are not part
-    of them), and those of the data files that lie beside the modules.
+    A module is digested as its syntax tree, without comments and docstrings (of fields, too). Data
+    files beside the modules are included.
 
     Raises:
         UserError: the entry module does not exist or a module does not parse.
@@ -85,7 +85,7 @@ def closure(entry: str, root: Path) -> tuple[dict[str, str], tuple[str, ...]]:
 
 
 class Module(NamedTuple):
-    """Digest of a module, what it imports (modules, or names in them), data files beside it."""
+    """Digest of a module, its imports (modules, or names in them), and data files beside it."""
 
     digest: str
     imports: Sequence[str]
@@ -94,7 +94,7 @@ class Module(NamedTuple):
 
 @cache
 def read_module(name: str, root: Path) -> Module | None:
-    """A module as it was when first read; nothing where the name is a function's or a class's."""
+    """A module as it was when first read; None if the name is that of a function or class."""
     stem = root / name.replace(".", "/")
     paths = (stem.with_suffix(".py"), stem / "__init__.py")
     path = next((path for path in paths if path.is_file()), None)
@@ -113,7 +113,7 @@ def read_module(name: str, root: Path) -> Module | None:
         elif isinstance(node, ast.ImportFrom):
             relative = "." * node.level + (node.module or "")
             base = importlib.util.resolve_name(relative, package)
-            imports |= {base, *(f"{base}.{alias.name}" for alias in node.names)}  # maybe modules
+            imports |= {base, *(f"{base}.{alias.name}" for alias in node.names)}  # may be modules
         elif isinstance(node, _DOCUMENTED):
             node.body = [item for item in node.body if not _is_text(item)]
     digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
@@ -121,7 +121,7 @@ def read_module(name: str, root: Path) -> Module | None:
 
 
 def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """The module and all its statements. Expressions, most of a tree, hold none."""
+    """The module and all its statements; expressions, which are most of a tree, are skipped."""
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
@@ -131,17 +131,17 @@ def _statements(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    """A string by itself: the docstring of a module, class, function or field."""
+    """Whether a statement is only a string: docstring of a module, class, function or field."""
     value = node.value if isinstance(node, ast.Expr) else None
     return isinstance(value, ast.Constant) and isinstance(value.value, str)
 
 
 @cache
 def _data(folder: Path, root: Path) -> dict[str, str]:
-    """Digests of data files here and in sub-folders that are no packages.
+    """Digests of data files in a folder and in sub-folders that are not packages.
 
-    They have names as modules have. Those that editors, systems and sync clients add do not, such
-    as ``a.sync-conflict-1.csv`` and ``a (copy).csv``.
+    Only files whose stem is an identifier count, so that files added by editors, systems and sync
+    clients do not, such as ``a.sync-conflict-1.csv`` and ``a (copy).csv``.
     """
     digests = {}
     for path in folder.iterdir():
@@ -155,7 +155,7 @@ def _data(folder: Path, root: Path) -> dict[str, str]:
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
-    """Versions of Python (major.minor) and of top-level packages, sorted; ``absent`` for none.
+    """Versions of Python (major.minor) and of packages, sorted; ``absent`` if not installed.
 
     Raises:
         UserError: a package can be imported, but no installed distribution provides it.
@@ -166,13 +166,13 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
 
 @cache
 def _version(package: str) -> str:
-    """Version of the distribution that provides a package: its metadata are parsed each time."""
+    """Version of the distribution of a package; cached, since its metadata are parsed each time."""
     found = distribution(package)
     return found.version if found else NOT_INSTALLED
 
 
 def distribution(package: str) -> metadata.Distribution | None:
-    """Distribution that provides an importable package, if that is installed.
+    """Distribution that provides an importable package; None if it is not installed.
 
     Raises:
         UserError: the package can be imported, but no installed distribution provides it.
@@ -182,9 +182,9 @@ def distribution(package: str) -> metadata.Distribution | None:
     except metadata.PackageNotFoundError:
         if importlib.util.find_spec(package) is None:
             return None
-    # metadata.packages_distributions() parses every list of files and takes 0.7 s; the
-    # names of two of ten packages differ from their distribution's, so a text search will do.
-    # The packages of cmeel (pinocchio) are one folder of site-packages below another.
+    # metadata.packages_distributions() parses every list of files and takes 0.7 s. Only two of
+    # ten packages are named differently from their distribution, so a text search is enough.
+    # Packages of cmeel (pinocchio) lie in a site-packages folder inside another one.
     markers = (f"\n{package}/", f"\n{package}.py,", f"/site-packages/{package}/__init__.py,")
     for candidate, record in _records():
         if any(marker in record for marker in markers):

@@ -1,7 +1,7 @@
-"""Files below an address, through fsspec: a folder, ssh, S3, or HTTP to read from.
+"""Files below an address, through fsspec: a folder, SSH, S3, or HTTP (read-only).
 
-A file becomes visible whole: it is written under another name and moved, or in one step on S3.
-Nothing that arrives is larger than expected, and only plain files are read.
+Files are written atomically: under another name and then renamed, or in one step on S3. Downloads
+are limited to the expected size, and only regular files are read.
 """
 
 import json
@@ -27,18 +27,18 @@ LAYOUT = 3
 MARKER = "slider-store.json"
 FOLDERS = ("results", "files")
 CONNECTIONS = 16
-"""Files that travel at once."""
-_MOVES = ("file", "sftp", "ssh")  # others show a file when it is whole
+"""Number of parallel transfers."""
+_MOVES = ("file", "sftp", "ssh")  # need a rename; the others show a file once it is complete
 _READ_ONLY = ("http", "https")
-_EXTRA = ("s3", "sftp", "ssh", "http", "https")  # with what the extra `remote` installs
+_EXTRA = ("s3", "sftp", "ssh", "http", "https")  # need the extra `remote`
 _FORBIDDEN, _GONE = 403, 410
 _MARKER_SIZE = 1000  # at most [bytes]
 _S3 = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
-# Hosts of ~/.ssh/known_hosts only: sshfs by itself accepts any.
+# Only hosts of ~/.ssh/known_hosts: by default sshfs accepts any.
 _SSH = {"known_hosts": (), "connect_timeout": 10, "login_timeout": 10, "keepalive_interval": 20}
 
 for _name, _settings in (("s3", {"config_kwargs": _S3}), ("sftp", _SSH), ("ssh", _SSH)):
-    conf[_name] = _settings | conf.get(_name, {})  # those of a user have precedence
+    conf[_name] = _settings | conf.get(_name, {})  # settings of the user take precedence
 for _name in ("sftp", "ssh"):
     fsspec.register_implementation(_name, "sshfs.SSHFileSystem", clobber=True)
 
@@ -46,14 +46,14 @@ T = TypeVar("T")
 
 
 class DamageError(Exception):
-    """Content is not what its name says; the text says what was expected and found."""
+    """Content does not match its digest; the text says what was expected and found."""
 
 
 @dataclass(frozen=True)
 class Remote:
-    """Files below an address; every failure of the way there is one :class:`UserError`.
+    """Files below an address; every failure to reach them is a single :class:`UserError`.
 
-    ``contact_s`` is the time in which it must answer the first question [s].
+    ``contact_s`` is the timeout of the first request [s].
     """
 
     url: str
@@ -75,11 +75,11 @@ class Remote:
         return urlsplit(self.url).scheme or "file"
 
     def open(self, create: bool = False) -> bool:
-        """Tell whether there is a store of ours; make an empty one if asked.
+        """Tell whether the remote has a store of slider; ``create`` an empty one if asked.
 
         Raises:
-            UserError: the remote does not answer in time, has another store, or is to be written
-                and can only be read.
+            UserError: the remote does not answer in time, has another kind of store, or is
+                read-only where it is to be written.
         """
         if create and self._scheme in _READ_ONLY:
             raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
@@ -93,7 +93,7 @@ class Remote:
             except UserError as error:
                 answer.set_exception(error)
 
-        # The folder of a server that is switched off hangs; a pool's thread would outlive the wait.
+        # Access to a folder of an unreachable server hangs; a daemon thread does not delay exit.
         threading.Thread(target=ask, daemon=True).start()
         try:
             marker = answer.result(self.contact_s)
@@ -118,27 +118,27 @@ class Remote:
                         fs.mkdir(f"{root}/{name}", create_parents=False)
 
     def read(self, name: str, limit: int) -> bytes | None:
-        """Content of a small file, if it is there; errors as of ``get``."""
+        """Content of a small file, or None if it is missing; raises the errors of ``get``."""
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / "copy"
             return copy.read_bytes() if self.get({copy: name}, limit) else None
 
     def write(self, name: str, text: str) -> None:
-        """Write a small file in one visible step."""
+        """Write a small file atomically."""
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "text").write_text(text, encoding="utf-8")
             self.put({name: Path(folder) / "text"})
 
     def size(self, name: str) -> int | None:
-        """Size of a file [bytes], if it is there."""
+        """Size of a file [bytes], or None if it is missing."""
         return self._ask(lambda fs, root: fs.info(f"{root}/{name}")["size"], name)
 
     def get(self, names: Mapping[Path, str], limit: int) -> bool:
-        """Copy files here, by their places; tell whether all are there.
+        """Download files, by local path; tell whether the remote has all of them.
 
         Raises:
-            DamageError: one is no plain file, or together they exceed a limit [bytes], where the
-                copy ends.
+            DamageError: one is not a regular file, or together they exceed ``limit`` [bytes], at
+                which the copy is aborted.
         """
 
         def copy(fs: Any, root: str) -> bool:
@@ -160,7 +160,7 @@ class Remote:
         return self._ask(copy, *names.values()) or False
 
     def put(self, sources: Mapping[str, Path]) -> None:
-        """Copy files there, by their names, each in one visible step."""
+        """Upload files, by remote name, each atomically."""
         with self._one_line():
             fs, root = fsspec.url_to_fs(self.url)  # fsspec keeps one file system per address
             paths = [f"{root.rstrip('/')}/{name}" for name in sources]
@@ -182,15 +182,15 @@ class Remote:
     def _ask(self, question: Callable[[Any, str], T], *names: str) -> T | None:
         with self._one_line():
             fs, root = fsspec.url_to_fs(self.url)
-            fs.invalidate_cache()  # of listings, in which new files lack
+            fs.invalidate_cache()  # of listings, which lack new files
             try:
                 return question(fs, root.rstrip("/"))
             except Exception as error:
                 status = getattr(error, "status", None)
                 if isinstance(error, FileNotFoundError) or status == _GONE:
                     return None
-                # A bucket that may not be listed, maybe behind HTTP, refuses what it lacks. It
-                # still gives the marker, unless it is that which it lacks.
+                # A bucket without permission to list, maybe behind HTTP, answers 403 for a missing
+                # file. If the marker can be read, or is that file, the file is just missing.
                 refused = isinstance(error, PermissionError) or status == _FORBIDDEN
                 bucket = self._scheme in (*_READ_ONLY, "s3")
                 if refused and bucket and (MARKER in names or self.size(MARKER) is not None):
@@ -199,7 +199,7 @@ class Remote:
 
     @contextmanager
     def _one_line(self) -> Iterator[None]:
-        """Errors of fsspec's backends as one line."""
+        """Turn errors of fsspec's backends into a ``UserError`` of one line."""
         try:
             yield
         except (UserError, DamageError):
@@ -215,9 +215,9 @@ class Remote:
 
 
 class _Limit(Callback):
-    """Ends copies that together exceed a limit [bytes], as an endless answer does.
+    """Aborts copies that together exceed a limit [bytes], such as an endless response.
 
-    fsspec counts one more for each file.
+    fsspec counts one extra byte per file.
     """
 
     def __init__(self, limit: int) -> None:
@@ -225,10 +225,10 @@ class _Limit(Callback):
         self._limit = limit
 
     def branched(self, *_: Any, **__: Any) -> Callback:
-        """Count the bytes of all copies together."""
+        """Use one counter for all copies."""
         return self
 
     def call(self, hook_name: str | None = None, **_: Any) -> None:
-        """Compare the bytes that came."""
+        """Compare the bytes received so far with the limit."""
         if self.value > self._limit:
             raise DamageError(f"expected {self._limit} bytes, found more")

@@ -1,4 +1,4 @@
-"""Run metadata: what differs from run to run, noted beside each result, in no recipe."""
+"""Run metadata: what differs from run to run; stored beside each result, not part of a recipe."""
 
 import os
 import shlex
@@ -18,10 +18,10 @@ _TIMES = ("started", "ended", "pipeline_started")
 
 
 def validate_metadata(values: Any) -> dict[str, Any]:
-    """Run metadata of plain values, such as those of a file or a remote.
+    """Run metadata, if plain values from a file or a remote are valid.
 
     Raises:
-        ValueError: they are no table of numbers and texts, or a number or time is none.
+        ValueError: they are not a table of numbers and texts, or a number or time is invalid.
     """
     if isinstance(values, dict) and all(isinstance(v, int | float | str) for v in values.values()):
         for time in filter(None, map(values.get, _TIMES)):
@@ -34,8 +34,8 @@ def validate_metadata(values: Any) -> dict[str, Any]:
 def revision() -> dict[str, str]:
     """``commit`` of the source and whether tracked files differ from it (``dirty``).
 
-    Empty where the source is in no git repository, an archive unpacked within another one included,
-    or git is not installed.
+    Empty if git is not installed or the source is not in a git repository of its own (such as an
+    archive unpacked inside another repository).
     """
     commit = _ask_git("rev-parse", "HEAD")
     if not commit or not _ask_git("ls-files"):
@@ -45,7 +45,7 @@ def revision() -> dict[str, str]:
 
 
 def _ask_git(*arguments: str) -> str:
-    """Answer of git about the repository of the source, also of another user's clone."""
+    """Output of git for the repository of the source, even if another user owns it."""
     environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
     command = ["git", "-c", "safe.directory=*", *arguments]
     try:
@@ -56,12 +56,12 @@ def _ask_git(*arguments: str) -> str:
 
 
 def now() -> str:
-    """Time of this moment, to the millisecond."""
+    """Current time (UTC, ISO 8601), to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def computed_seconds(metadata: Mapping[str, Any], since: float) -> float | None:
-    """Wall time of the computation of a result [s]; none where it ended before, or was reused."""
+    """Wall time of computing a result [s]; None if it ended before ``since`` or was reused."""
     with suppress(ValueError, KeyError, TypeError):
         if metadata["computed"] and datetime.fromisoformat(metadata["ended"]).timestamp() > since:
             return float(metadata["wall_s"])
@@ -69,9 +69,9 @@ def computed_seconds(metadata: Mapping[str, Any], since: float) -> float | None:
 
 
 def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
-    """Begin a pipeline run with overrides of the configuration: jobs from here on belong to it."""
+    """Record the start and overrides of a pipeline run; jobs from now on belong to it."""
     words = []
-    for override in overrides:  # none begins with a quote: --config takes quotes off both ends
+    for override in overrides:  # must not begin with a quote: --config strips quotes at both ends
         name, equals, value = override.partition("=")
         quoted = equals and set(value) & set(" \t\n'\"\\")
         words.append(f"{name}={shlex.quote(value)}" if quoted else override)
@@ -79,24 +79,24 @@ def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
 
 
 def config_option(overrides: str) -> str:
-    """Overrides as a shell needs them behind ``snakemake``; nothing for none."""
-    asked = overrides + " " * overrides.endswith("'")  # Snakemake takes quotes off both ends
+    """Overrides as a shell-quoted option of ``snakemake``; empty without overrides."""
+    asked = overrides + " " * overrides.endswith("'")  # Snakemake strips quotes at both ends
     return f" --config hydra={shlex.quote(asked)}" if overrides else ""
 
 
 def pipeline_metadata(artefacts: Path) -> dict[str, str]:
-    """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
+    """``commit`` and ``dirty``, and start and overrides of the pipeline run of a job."""
     return revision() | _last_run(artefacts)
 
 
 def last_robot(artefacts: Path) -> list[str]:
-    """Overrides of the last pipeline run that are about the robot; none before the first."""
+    """Overrides of the last pipeline run that concern the robot; empty before the first run."""
     overrides = shlex.split(_last_run(artefacts).get("overrides", ""))
     return [text for text in overrides if text.startswith(("robot=", "robot."))]
 
 
 def _last_run(artefacts: Path) -> dict[str, str]:
-    """Start of the last pipeline run, and its overrides; empty before the first."""
+    """Start and overrides of the last pipeline run; empty before the first run."""
     if not (path := artefacts / _START).is_file():
         return {}
     started, _, overrides = path.read_text("utf-8", "replace").partition("\n")

@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Runner:
-    """Runs jobs, whose inputs are in a store and whose results go there; see :class:`Job`."""
+    """Runs jobs with inputs from a store and publishes their results there; see :class:`Job`."""
 
     store: Store
     threads: int = 1
@@ -37,11 +37,11 @@ class Runner:
     waiting: int = 1
 
     def run(self, spec: JobSpec) -> str:
-        """Run a job unless its result is cached; return ``reused`` or how long it took.
+        """Run a job unless its result is cached; return ``reused`` or the time it took.
 
         Raises:
-            UserError: an input is missing or damaged, the source changed since the plan, or the
-                machine computes with other kernels.
+            UserError: an input is missing or damaged, the source has changed since the plan was
+                written, or the machine uses other kernels.
         """
         with exclusive(self.store.locks, spec.recipe):
             inputs = spec.input_recipes
@@ -69,17 +69,17 @@ class Runner:
         return outcome
 
     def _compute(self, spec: JobSpec, objects: Groups) -> Result:
-        """Compute and publish a result; write its run metadata beside the manifest's place."""
-        started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()  # imports are part of it
+        """Compute and publish a result; write its run metadata next to the manifest."""
+        started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()  # includes the imports
         check_machine(spec.section)
         limit_threads(self.threads)
-        # glibc's thresholds follow the largest block that is freed, up to 32 MiB. Without this it
-        # returns arrays to the system at every step of a simulation: a tenth of the time.
+        # glibc adapts its mmap threshold to the largest freed block, up to 32 MiB. Without this it
+        # returns arrays to the system at every simulation step, which costs a tenth of the time.
         bytes(30 * 2**20)
         for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):
             os.environ.setdefault(compiler, str(self.store.cache_folder("compiled").absolute()))
         job, name = self._job(spec), f"{spec.stage}-{spec.recipe[:12]}"
-        for left in self.store.tmp.glob(f"{name}-*"):  # by a job that was killed
+        for left in self.store.tmp.glob(f"{name}-*"):  # left by a killed job
             shutil.rmtree(left, ignore_errors=True)
         with self.store.temporary(name) as out:
             inputs = {
@@ -89,9 +89,9 @@ class Runner:
             section = copy.deepcopy(dict(spec.section))
             section.pop("numerics", None)
             folder = out.absolute()
-            with chdir(job.work):  # where no option file of a library lies
+            with chdir(job.work):  # a folder without option files of libraries
                 function = _load(spec)
-                gc.freeze()  # what was imported stays: no need to look at it each time
+                gc.freeze()  # imported objects stay: the collector need not visit them
                 summary = function(section, inputs, folder, job)
             result = self.store.publish(out, summary)
         metadata = job.metadata | {
@@ -130,8 +130,8 @@ class Runner:
 def _load(spec: JobSpec) -> StageFunction:
     module, _, name = spec.code.entry.partition(":")
     function = getattr(importlib.import_module(module), name)
-    # Checked after the import: what was imported is what the plan names. Without this, an edit
-    # made while the pipeline runs would be stored under the recipe of the old source.
+    # Checked after the import, so that the imported source is that of the plan. Otherwise, results
+    # of an edit made while the pipeline runs would be stored under the recipe of the old source.
     if code_of(spec.code.entry, SOURCE_ROOT) != spec.code:
         raise UserError(
             f"the source or the packages of stage {spec.stage} changed since the pipeline was "
@@ -141,7 +141,7 @@ def _load(spec: JobSpec) -> StageFunction:
 
 
 class MetricsFile:
-    """Appends metrics to a file. Never raises: the first failure is one line and the last try."""
+    """Appends metrics to a file. Never raises: after a failure it logs a warning and stops."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._works = path, True
@@ -149,7 +149,7 @@ class MetricsFile:
             path.unlink(missing_ok=True)
 
     def __call__(self, metrics: Mapping[str, float], step: int) -> None:
-        """Append numbers at a step."""
+        """Append the metrics of a step."""
         if not self._works:
             return
         try:
@@ -167,9 +167,9 @@ def limit_threads(threads: int) -> None:
     """Set the environment of OpenMP and BLAS before the stage imports them."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     os.environ.update(dict.fromkeys(names, str(threads)))
-    # Spinning threads beside another job slow training down tenfold.
+    # Threads that spin while another job runs slow training down tenfold.
     os.environ.update(OMP_WAIT_POLICY="PASSIVE", GOMP_SPINCOUNT="0")
 
 
 def _cpu_seconds() -> float:
-    return sum(os.times()[:4])  # those of children, too
+    return sum(os.times()[:4])  # includes child processes

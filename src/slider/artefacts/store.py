@@ -1,13 +1,13 @@
 """The artefact store: objects named by their content, manifests named by their recipe.
 
 ``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` names the
-object that a recipe led to. A result is computed in ``objects/tmp/`` and renamed into place, then
-its manifest is written: a manifest leads to a whole object, whenever a process dies or the power
-goes. Whoever uses an object compares its content with its name: only if these differ is it damaged,
-and what cannot be read says nothing about itself.
+object that a recipe produced. A result is computed in ``objects/tmp/`` and renamed into place, then
+its manifest is written: after a crash or power failure, every manifest refers to a complete object.
+Each use of an object compares its content with its name: it counts as damaged only if these
+differ, not if it cannot be read.
 
-``locks/`` keeps processes apart: one job per recipe, and no clean-up while jobs run. The operating
-system releases them when a process ends, however it does.
+``locks/`` holds lock files: one job per recipe, and no clean-up while jobs run. The operating
+system releases the locks when a process ends, even if it is killed.
 """
 
 import re
@@ -35,7 +35,7 @@ from slider.core import files
 from slider.core.errors import UserError, not_read
 
 ARTEFACTS = "artefacts"
-_GATE = "all"  # held with all locks, so that no new one is taken
+_GATE = "all"  # held by whoever holds all locks, so that no new one is taken
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Store:
         return self.root / "objects" / digest[:2] / digest
 
     def manifest_path(self, stage: str, recipe: str) -> Path:
-        """File that names the object that a recipe led to."""
+        """File that names the object that a recipe produced."""
         return self.root / stage / f"{recipe}.json"
 
     def metadata_path(self, stage: str, recipe: str) -> Path:
@@ -103,10 +103,10 @@ class Store:
             shutil.rmtree(folder, ignore_errors=True)
 
     def publish(self, folder: Path, summary: dict[str, Any]) -> Result:
-        """Bring a finished temporary folder to the disk, and in one step to its place.
+        """Sync a finished temporary folder to disk and rename it atomically to its object folder.
 
         Raises:
-            NotReadError: another object is there, which cannot be read.
+            NotReadError: the object folder exists already and cannot be read.
         """
         table = files.file_table(folder)
         result = Result(files.digest_table(table), table, files.plain(summary))
@@ -121,16 +121,16 @@ class Store:
         try:
             folder.rename(target)
         except OSError:
-            if not target.is_dir():  # else the same content is there already: ours is not needed
+            if not target.is_dir():  # else the same content is there already
                 raise
         files.sync(target.parent, target.parent.parent)
         return result
 
     def is_intact(self, digest: str) -> bool:
-        """Read an object; tell whether its content has its name.
+        """Read an object; tell whether its content matches its name.
 
         Raises:
-            NotReadError: it is there, and cannot be read.
+            NotReadError: it exists, but cannot be read.
         """
         folder = self.object_folder(digest)
         try:
@@ -141,7 +141,7 @@ class Store:
             raise not_read(error, folder) from None
 
     def drop_object(self, digest: str) -> None:
-        """Remove an object. A folder of a lower layer, as in a container, cannot be renamed."""
+        """Remove an object in place: a folder of a container's lower layer cannot be renamed."""
         folder = self.object_folder(digest)
         if folder.is_dir() and not folder.is_symlink():
             shutil.rmtree(folder)
@@ -154,16 +154,16 @@ class Store:
         files.write_json(path, plain_manifest(manifest))
 
     def read_manifest(self, stage: str, recipe: str) -> Manifest:
-        """Manifest of a recipe; errors as of ``parse_manifest``."""
+        """Manifest of a recipe; raises the errors of ``parse_manifest``."""
         return parse_manifest(self.manifest_path(stage, recipe))
 
     def manifests(self) -> list[Path]:
-        """Every manifest of the store."""
+        """Paths of all manifests of the store."""
         stages = (p for p in files.entries(self.root) if not p.is_file() and p.name != "plans")
         return _named(stages, r"[0-9a-f]{64}\.json")
 
     def objects(self) -> list[str]:
-        """Name of every object, whatever is in it."""
+        """Digests of all objects, intact or not."""
         groups = _named([self.root / "objects"], "[0-9a-f]{2}")
         return [path.name for path in _named(groups, "[0-9a-f]{64}")]
 
@@ -173,23 +173,23 @@ class Store:
         return [manifest for manifest in map(readable, paths) if manifest]
 
     def index_path(self, key: str) -> Path:
-        """File of the index behind the early cut-off: the first manifest of a key."""
+        """Index entry of a key, for early cut-off: the first manifest with this key."""
         return self.root / "index" / key[:2] / f"{key}.json"
 
     def put_index(self, key: str, manifest: Manifest) -> None:
         """Add a computed result to the index.
 
-        A recipe holds the recipes of the inputs, a key their contents: after a refactoring that
-        leaves these as they were, recipes differ, keys do not.
+        A recipe covers the recipes of the inputs, a key their contents: after a refactoring that
+        does not change these contents, the recipe differs, but the key does not.
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
     def find(self, key: str) -> Manifest | None:
-        """Manifest of the first job with a key, if its object is whole."""
+        """Manifest of the first job with a key, if its object is intact."""
         return self._whole(self.index_path(key))
 
     def verify(self, stage: str, recipe: str) -> Manifest | None:
-        """Manifest of a recipe, if its object is whole."""
+        """Manifest of a recipe, if its object is intact."""
         return self._whole(self.manifest_path(stage, recipe))
 
     def _whole(self, path: Path) -> Manifest | None:
@@ -197,7 +197,7 @@ class Store:
         return manifest if manifest and self.is_intact(manifest.result.object) else None
 
     def input_objects(self, job: JobSpec) -> dict[str, list[str]]:
-        """Objects of the inputs of a job; empty names for those that are not whole."""
+        """Objects of the inputs of a job; an empty string for those that are not intact."""
 
         def objects(jobs: Iterable[JobSpec]) -> list[str]:
             whole = (self.verify(item.stage, item.recipe) for item in jobs)
@@ -206,7 +206,7 @@ class Store:
         return {name: objects(jobs) for name, jobs in job.inputs.items()}
 
     def require(self, stage: str, recipe: str) -> Manifest:
-        """Manifest of a recipe, whose object is whole at this moment.
+        """Manifest of a recipe, after a check that its object is intact.
 
         Raises:
             UserError: there is none, or its object is damaged.
@@ -218,7 +218,7 @@ class Store:
 
 
 def _named(folders: Iterable[Path], pattern: str) -> list[Path]:
-    """What is in some folders under names of a pattern, sorted in each."""
+    """Entries of the given folders whose names match a pattern, sorted per folder."""
     paths = (path for folder in folders for path in files.entries(folder))
     return [path for path in paths if re.fullmatch(pattern, path.name)]
 
@@ -228,7 +228,7 @@ def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
     """Hold the lock of a name; wait while another process holds it, or holds all locks.
 
     Raises:
-        Timeout: another process still holds the name after so many seconds; -1 waits for ever.
+        Timeout: another process still holds the lock after ``timeout`` seconds; -1 waits forever.
     """
     with _held(folder, name, timeout):
         with _held(folder, _GATE):
@@ -244,7 +244,7 @@ def exclusive_store(folder: Path) -> Iterator[None]:
     """Hold every lock at once.
 
     Raises:
-        UserError: some job is running.
+        UserError: a job is running.
     """
     with ExitStack() as held:
         try:

@@ -1,10 +1,10 @@
 """Transfer of results: push them to a remote, pull those of others into the store.
 
 ``results/<recipe>.json`` holds the manifest of a recipe and ``files/<sha256>`` one file of an
-object, so that no listing is needed, which plain HTTP does not have. Whatever arrives
-is compared with its digest before the store takes it, and gets its name from the manifest. A result
-counts for a recipe only where its inputs are, byte for byte, those that it was computed from;
-elsewhere it waits in the index of the store until such inputs are computed.
+object, so that no directory listing is needed, which plain HTTP does not offer. The digest of each
+download is verified before the store accepts it; file names come from the manifest. A result is
+accepted for a recipe only if the local inputs are byte for byte those that it was computed from;
+otherwise it stays in the index of the store until such inputs are computed.
 """
 
 import json
@@ -31,13 +31,13 @@ Jobs = Mapping[str, JobSpec]
 """Jobs by recipe, inputs first."""
 Shared = tuple[Manifest, Mapping[str, Any]]
 """A result in a remote: its manifest and run metadata."""
-_METADATA = "run_metadata"  # of a result, beside the entries of its manifest
-_RESULT_SIZE = 16_000_000  # of a manifest, at most [bytes]
+_METADATA = "run_metadata"  # key of the run metadata in the JSON of a manifest
+_RESULT_SIZE = 16_000_000  # maximum size of a manifest [bytes]
 
 
 @dataclass
 class TransferReport:
-    """Numbers of results by outcome, bytes that travelled, lines about damage."""
+    """Number of results by outcome, transferred bytes, lines about damage."""
 
     counts: Counter[str] = field(default_factory=Counter)
     size: int = 0
@@ -59,9 +59,9 @@ class TransferReport:
 
 
 def push(store: Store, jobs: Jobs, remote: Remote, force: bool = False) -> TransferReport:
-    """Upload results that the remote lacks; never overwrite an intact one.
+    """Upload results that the remote lacks; never overwrite intact ones.
 
-    With ``force`` upload all, and overwrite.
+    With ``force``, upload all and overwrite.
 
     Raises:
         UserError: the remote does not answer or cannot be written.
@@ -82,7 +82,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> TransferReport:
     """Download results that the store lacks, inputs first.
 
     Raises:
-        UserError: the remote does not answer, or there is no place for what it has.
+        UserError: the remote does not answer or has no store, or results cannot be written here.
     """
     report = TransferReport()
     missing = [job for job in jobs.values() if store.verify(job.stage, job.recipe) is None]
@@ -108,7 +108,7 @@ def _no_clean_up(store: Store) -> AbstractContextManager[None]:
 
 
 def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str, int]:
-    """Send one result; return the outcome and the bytes that went."""
+    """Upload one result; return the outcome and the number of uploaded bytes."""
     manifest = readable(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
         return "missing here", 0
@@ -131,10 +131,10 @@ def _push(store: Store, remote: Remote, force: bool, job: JobSpec) -> tuple[str,
 
 
 def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
-    """Manifest and run metadata of a job's result in the remote, if it is there.
+    """Manifest and run metadata of a job's result in the remote, or None if it is missing.
 
     Raises:
-        DamageError: something else is there.
+        DamageError: the remote has something else under this name.
     """
     content = remote.read(_result(job), _RESULT_SIZE)
     if content is None:
@@ -153,7 +153,7 @@ def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
 
 
 def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | DamageError | None:
-    """Publish the object of a job's result, if it is there; return also the bytes that came."""
+    """Download and publish the object of a job's result; also return the downloaded bytes."""
     try:
         shared = _look_up(remote, job)
         if shared is None or store.is_intact(shared[0].result.object):
@@ -165,10 +165,10 @@ def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | D
 
 
 def _take(store: Store, remote: Remote, result: Result) -> None:
-    """Publish an object of the remote.
+    """Download and publish an object.
 
     Raises:
-        DamageError: a file is missing, or is not what the manifest says.
+        DamageError: a file is missing, or does not match the manifest.
     """
     with store.temporary("transfer") as folder:
         free = shutil.disk_usage(folder).free
@@ -185,7 +185,7 @@ def _take(store: Store, remote: Remote, result: Result) -> None:
 
 
 def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
-    """Write manifest, index and run metadata of a result, unless a job here computes it or did."""
+    """Write manifest, index and run metadata of a result, unless a local job has or computes it."""
     manifest, metadata = shared
     try:
         with exclusive(store.locks, job.recipe, timeout=0):

@@ -1,1 +1,1 @@
-"""The stage graph and what the Snakefile needs to run it."""
+"""The stage graph, and the interface of the Snakefile to it."""

@@ -1,4 +1,4 @@
-"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become lines."""
+"""Snakemake's log records on the terminal: errors pass, routine messages are dropped."""
 
 import logging
 import re
@@ -20,18 +20,18 @@ from slider.artefacts.store import Store
 from slider.tracking import Tracking
 
 _EVENTS = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS)
-_OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # of a dry run they are the answer
+_OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # the output of a dry run
 _TEXTS = (
     *("Select jobs to execute...", "Execute ", "Assuming unrestricted", "Building DAG"),
     *("Using shell", "Elapsed time"),
 )
-# What Snakemake says about a job of ours that failed: the whole command, and how it ended.
+# Snakemake's message about a failed job of this pipeline: the full command, and how it ended.
 _ENDED = re.compile(
     r"Command '.* run --plan \S+ (?P<recipe>[0-9a-f]{64})\b.*' "
     r"(died with <Signals\.(?P<name>\w+)|returned non-zero exit status (?P<status>\d+))",
     re.DOTALL,
 )
-_BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # of some shells
+_BY_STATUS = {str(128 + number): number.name for number in signal.Signals}  # in some shells
 _OUT_OF_MEMORY = "SIGKILL, as the system does where memory runs out"
 
 
@@ -49,7 +49,7 @@ class Console:
         logger.addFilter(self._is_news)
 
     def open(self, plan: Plan, store: Store, tracking: Tracking | None) -> None:
-        """Begin to show and to track the jobs that Snakemake is about to run."""
+        """Start to display and track the jobs that Snakemake is about to run."""
         with self._guarded():
             self.tracking = tracking
             self._recipes = needed_jobs(self.workflow)
@@ -60,18 +60,18 @@ class Console:
                 self.progress.open()
 
     def close(self) -> None:
-        """End the lines about running jobs."""
+        """Stop the lines about running jobs."""
         with self._guarded():
             if self.progress is not None:
                 self.progress.close()
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
-        """Let no error of the display end a run: after one nothing more is shown."""
+        """Keep errors of the display from ending a run: after an error the display is off."""
         try:
             yield
         except Exception:
-            with suppress(OSError):  # of a terminal that was closed
+            with suppress(OSError):  # the terminal may be closed
                 traceback.print_exc()
             if self.progress is not None:
                 self.progress.close()
@@ -100,7 +100,7 @@ class Console:
         return not record.getMessage().startswith(_TEXTS)
 
     def _show_end(self, recipe: str, name: str | None, status: str | None) -> None:
-        """Write which signal ended a job; one that ended by itself has written why."""
+        """Write which signal ended a job; a job that exited on its own has written the reason."""
         if name := name or _BY_STATUS.get(status or ""):
             cause = _OUT_OF_MEMORY if name == signal.SIGKILL.name else name
             kept = "results and checkpoints are kept, the same command again goes on from there"

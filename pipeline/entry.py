@@ -1,4 +1,4 @@
-"""What the Snakefile is made of: the current plan, the files of its jobs, tracking."""
+"""Interface of the Snakefile: the current plan, the files of its jobs, tracking."""
 
 import errno
 import getpass
@@ -40,7 +40,7 @@ _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow s
 
 @contextmanager
 def one_line() -> Iterator[None]:
-    """End the process with one line and status 1 where the input is bad or a file cannot be."""
+    """On bad input or a file error, end the process with a one-line message and status 1."""
     try:
         yield
     except UserError as error:
@@ -61,7 +61,7 @@ def _print(line: object) -> None:
 class Pipeline:
     """The jobs of one configuration, as files below the working directory.
 
-    ``cores`` are those that all jobs share. A ``dry_run`` removes nothing.
+    ``cores`` is the number of cores shared by all jobs. A ``dry_run`` removes nothing.
     """
 
     config: Config
@@ -76,12 +76,12 @@ class Pipeline:
 
     @property
     def reports(self) -> dict[str, tuple[str, ...]]:
-        """Files that people read, by target."""
+        """Report files by target."""
         return report_files(self.config)
 
     @property
     def run(self) -> str:
-        """Shell command that runs a job; the recipe follows."""
+        """Shell command that runs a job; its recipe must be appended."""
         return f"{self.slider} run --plan {self.plan_path}"
 
     @property
@@ -89,7 +89,7 @@ class Pipeline:
         """Shell command ``slider`` in the environment of a job.
 
         glibc reads variables when a process starts: they could hide instructions of the
-        processor, or put other functions in the place of the mathematical library's.
+        processor, or replace functions of the mathematical library.
         """
         words = (sys.executable, "-I", "-X", "utf8", environment.__file__)
         folders = environment.library_path(os.environ.get("LD_LIBRARY_PATH", ""))
@@ -97,9 +97,9 @@ class Pipeline:
         return f"{loader} {shlex.join(words)}"
 
     def threads(self, slots: int) -> int:
-        """Threads of a training that holds some slots.
+        """Threads of a training that holds ``slots`` of Snakemake's cores.
 
-        By default its physics runs on more, which use the cores that other jobs leave idle.
+        By default its physics has more threads, which use cores that other jobs leave idle.
         """
         if self.config.resources.threads is not None:
             return slots
@@ -110,9 +110,9 @@ class Pipeline:
         return int(self.plan.jobs[wildcards.recipe].section["train"]["device"] == "cuda")
 
     def manifest(self, target: str) -> Callable[[Any], str]:
-        """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
+        """Input function: the manifest of a target, whose jobs are added to the plan if missing.
 
-        A target that cannot be laid out is one line and status 1.
+        A target whose jobs cannot be created ends the process with one line and status 1.
         """
 
         @one_line()
@@ -130,7 +130,7 @@ class Pipeline:
         """Manifests that the job of a recipe needs.
 
         Raises:
-            UserError: the recipe is not of the current plan.
+            UserError: the recipe is not in the current plan.
         """
         recipe = wildcards.recipe
         require(recipe in self.plan.jobs, "recipe", "one of the current plan", recipe)
@@ -141,13 +141,13 @@ class Pipeline:
 
     @one_line()
     def start(self, workflow: Any) -> None:
-        """Begin this pipeline run, and to track it, if that is enabled.
+        """Start this pipeline run and, if enabled, its tracking.
 
-        SIGTERM does as Ctrl-C does: Snakemake alone would wait for running jobs.
+        SIGTERM acts like Ctrl-C: Snakemake by default would wait for running jobs.
         """
         signal.signal(signal.SIGTERM, _end_jobs)
         private.submit_at_once(workflow)
-        for recipe in private.forced_recipes(workflow):  # to compute anew, not to reuse
+        for recipe in private.forced_recipes(workflow):  # recompute, do not reuse
             job = self.plan.jobs[recipe]
             key = job.key(self.store.input_objects(job))
             self.store.index_path(key).unlink(missing_ok=True)
@@ -165,7 +165,7 @@ class Pipeline:
             )
 
     def finish(self, succeeded: bool) -> None:
-        """Wait until MLflow has this pipeline run."""
+        """Wait until this pipeline run is written to MLflow."""
         if self.tracking is not None:
             self.tracking.finish(succeeded)
             if self.tracking.error is not None:
@@ -173,9 +173,9 @@ class Pipeline:
 
 
 def end_as_by_ctrl_c() -> None:
-    """Let SIGTERM and a hang-up raise ``KeyboardInterrupt``: else Snakemake's lock stays behind.
+    """Let SIGTERM and SIGHUP raise ``KeyboardInterrupt``, so that Snakemake removes its lock.
 
-    A second Ctrl-C counts for nothing: while Snakemake tidies up, it would end in a trace.
+    A second Ctrl-C is ignored: during Snakemake's clean-up it would end in a traceback.
     """
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_DFL:  # not under nohup
@@ -185,7 +185,7 @@ def end_as_by_ctrl_c() -> None:
 
 
 def _end_jobs(number: int, frame: FrameType | None) -> None:
-    """Let the signal reach running jobs, as Ctrl-C in a terminal reaches them."""
+    """Forward the signal to running jobs, as a terminal does with Ctrl-C."""
     for child in psutil.Process().children(recursive=True):
         with suppress(psutil.Error):
             child.send_signal(number)
@@ -201,14 +201,14 @@ def _interrupt_once(number: int, frame: FrameType | None) -> None:
 def open_pipeline(
     settings: Mapping[str, Any], conf: Path, cores: int = 1, dry_run: bool = False
 ) -> Pipeline:
-    """Compose the configuration and lay out its jobs; bad input is one line and status 1.
+    """Compose the configuration and create its jobs; bad input ends with one line and status 1.
 
     A ``dry_run`` removes nothing.
     """
     store = Store(Path(ARTEFACTS))
     try:
         getpass.getuser()
-    except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
+    except (KeyError, OSError):  # Snakemake needs a user name, which a container may lack
         os.environ["USER"] = "nobody"
     overrides = parse_overrides(settings)
     config = with_renderer(checked(compose(overrides, conf)))
@@ -218,7 +218,7 @@ def open_pipeline(
 
 
 def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:
-    """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    """Write a plan, drop damaged results, pull missing ones; a read-only store is left as it is."""
     folder = store.root / "plans"
     try:
         path = write_plan(plan, folder)
@@ -249,7 +249,7 @@ def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
     """Overrides of ``--config hydra='...'``.
 
     Raises:
-        UserError: another name, no text, or an open quote.
+        UserError: another option, a value that is not text, or an unclosed quote.
     """
     expected = f"{OPTION}='key=value ...'"
     for name in settings:

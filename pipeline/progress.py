@@ -1,4 +1,4 @@
-"""Lines of a run for people: one per finished job, one for jobs that run long, Table 1."""
+"""Progress lines of a run: one per finished job, one for long-running jobs, and Table 1."""
 
 import math
 import sys
@@ -26,7 +26,7 @@ def _print(line: str) -> None:
 
 
 class Progress:
-    """The lines of one run, of some recipes of a plan; Snakemake tells when jobs begin and end."""
+    """Progress lines of the jobs of a run; ``began`` and ``ended`` are called for each job."""
 
     def __init__(self, plan: Plan, store: Store, recipes: Iterable[str], cores: int) -> None:
         needed = set(recipes)
@@ -40,7 +40,7 @@ class Progress:
         self._lock, self._closed = threading.Lock(), threading.Event()
 
     def open(self) -> None:
-        """Write how much there is to do, and watch long jobs from now on."""
+        """Write the number of jobs and the expected time, and start to watch long jobs."""
         _print(f"{len(self._jobs)} jobs, about {duration(self.left())} on {self._cores} cores")
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -49,12 +49,12 @@ class Progress:
         self._closed.set()
 
     def began(self, recipe: str) -> None:
-        """A job started."""
+        """Note the start of a job."""
         with self._lock:
             self._running[recipe] = time.time()
 
     def ended(self, recipe: str, succeeded: bool = True) -> None:
-        """A job succeeded, which is a line, or failed."""
+        """Note the end of a job; write a line if it succeeded."""
         job = self._plan.jobs[recipe]
         with self._lock:
             began = self._running.pop(recipe, self._start)
@@ -70,7 +70,7 @@ class Progress:
             _print("reports/table1.md has intervals and the paper's rows")
 
     def _line(self, text: str) -> None:
-        """Write the jobs done, the time left, and a text."""
+        """Write the number of finished jobs, the remaining time, and a text."""
         self._written = time.time()
         done, total = len(self._ended), len(self._jobs)
         left = f"  about {duration(self.left())} left" if done < total else ""
@@ -80,7 +80,7 @@ class Progress:
         """Wall time until the last job ends [s], if all cores are busy until then."""
         now, rests = time.time(), [0.0]
         for recipe in self._jobs.keys() - self._ended:
-            passed = now - self._running.get(recipe, now)  # too long: a fifth of that more
+            passed = now - self._running.get(recipe, now)  # overdue: expect a fifth of it more
             rests.append(max(self._seconds[recipe] - passed, 0.2 * passed))
         return max(sum(rests) / self._cores, *rests)
 
@@ -91,7 +91,7 @@ class Progress:
                     self.show_running()
 
     def show_running(self) -> None:
-        """Write the longest of the running jobs, and how many others there are."""
+        """Write a line about the longest running job and the number of other running jobs."""
         running = self._running
         recipe = max(running, key=lambda recipe: self._seconds[recipe])
         job, message = self._plan.jobs[recipe], ""
@@ -113,7 +113,7 @@ def duration(seconds: float) -> str:
 
 
 def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> str:
-    """Success, tracking and error of evaluations: a column per speed."""
+    """Table of success, tracking and error of evaluations, with a column per speed."""
     import pandas as pd
 
     from slider.reports.quantities import QUANTITIES

@@ -1,7 +1,7 @@
 """Studies: gaits, trainings and evaluations of several variants, compared by metrics.
 
 A variant is the configuration of the pipeline with further overrides. Its jobs are ordinary ones:
-what variants have in common is computed once, and a further variant or seed computes only itself.
+shared results are computed once, and a further variant or seed adds only its own jobs.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,16 +33,16 @@ from slider.env.terms import checked
 from slider.reports.quantities import GAIT_QUANTITIES, QUANTITIES
 
 GAITS_ONLY = ("virtual_knee",)
-"""Parts of the robot that the simulated one lacks: no rollout depends on them."""
+"""Parts of the robot that only gaits depend on; the simulation does not use them."""
 STARTS = "_starts"
-"""End of the name of a variant's gaits from random starts."""
+"""Suffix of the row of a variant's gaits from random initial guesses."""
 Keyed = tuple[str, list[Any], JobSpec]
-"""Group of inputs; variant, seed, and speed [m/s] or samples of an iteration; the job."""
+"""Name of the input; variant, seed, and speed [m/s] or samples per iteration; the job."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A row of a study; without a configuration, ``note`` says why."""
+    """A row of a study; if ``config`` is None, ``note`` gives the reason."""
 
     name: str
     label: str
@@ -60,8 +60,8 @@ def study_job(
 ) -> JobSpec:
     """Jobs of all variants, and the comparison of their results.
 
-    Of the pipeline's ``targets`` it needs ``library`` and ``walking``. ``config`` was composed from
-    the folder ``conf`` with the ``overrides``.
+    Of the pipeline's ``targets``, ``library`` and ``walking`` are used. ``config`` was composed
+    from the folder ``conf`` with the ``overrides``.
 
     Raises:
         UserError: an unknown metric, or the overrides of a variant do not compose.
@@ -119,13 +119,13 @@ def _variants(
         require(bool(choose(items, tags, [path])), f"{key}.scaling.parameters", expected, path)
     for item in choose(items, tags, scaling.parameters):
         if not any(item.value):
-            continue  # no factor changes zero
+            continue  # scaling does not change zero
         for factor in (round(1 + sign * scaling.change, 10) for sign in (-1, 1)):
             yield _scaled(config, item.path, item.value, factor)
 
 
 def _scaled(config: Config, path: str, value: Sequence[float], factor: float) -> Variant:
-    """The robot with one number, or vector, multiplied by a factor; some cannot be built."""
+    """Variant with one parameter scaled; without a configuration if that robot is invalid."""
     text = ",".join(f"{number * factor:.6g}" for number in value)
     changes = f"robot.{path}={f'[{text}]' if len(value) > 1 else text}"
     variant = Variant(f"{path}*{factor:g}", f"{path} × {factor:g}", changes)
@@ -140,7 +140,7 @@ def _scaled(config: Config, path: str, value: Sequence[float], factor: float) ->
 def _jobs(
     variant: Variant, study: StudyConfig, config: Config, targets: Mapping[str, JobSpec]
 ) -> Iterator[Keyed]:
-    """All results of a variant that are compared."""
+    """All jobs of a variant whose results are compared."""
     changed, note = variant.config, f" ({variant.name})"
     if changed is None:
         return
@@ -184,7 +184,7 @@ def _evaluations(
     jobs: Mapping[str, JobSpec],
     note: str,
 ) -> Iterator[Keyed]:
-    """The policy's are in the row VARIANT, another controller's in the row VARIANT_CONTROLLER."""
+    """Evaluations; row VARIANT for the policy, row VARIANT_CONTROLLER for other controllers."""
     for spec in evaluations_of(config, protocol, jobs, note):
         controller = spec.section["controller"]
         row = variant.name if controller == POLICY else f"{variant.name}_{controller}"
@@ -192,7 +192,7 @@ def _evaluations(
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:
-    """From the guesses of ``gait.solver``, and from each random start alone."""
+    """Gaits solved from the guesses of ``gait.solver``, and from each random guess separately."""
     shared, starts = gait_section(config), study.starts
     for speed in study.speeds:
         solved = gait(shared, (speed, 0.0, 0.0))
@@ -209,7 +209,7 @@ def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Key
 
 
 def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) -> TrainConfig:
-    """A training of about ``samples`` environment steps, checked every ``budget.check_every``."""
+    """Training of about ``samples`` environment steps, checked every ``budget.check_every``."""
     iterations = max(1, round(samples / _batch(train)))
     interval = max(1, round(budget.check_every / _batch(train)))
     selection = replace(train.selection, interval=interval)
@@ -217,5 +217,5 @@ def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) 
 
 
 def _batch(train: TrainConfig) -> int:
-    """Samples of one iteration."""
+    """Number of samples per iteration."""
     return train.robots * train.steps_per_iteration

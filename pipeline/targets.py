@@ -1,8 +1,7 @@
-"""All targets, their files, and when these are copied out of the store again.
+"""All targets, their report files, and when these must be copied from the store again.
 
-Studies, the gauge and the search for settings are laid out only when they are asked for, or where
-the page shows them: a variant that does not compose, or a policy that is not there, stops no other
-target.
+Jobs of studies, gauge, second engine and hyperparameter search are created only on request, or if
+the page shows them: an invalid variant or a missing policy does not affect other targets.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,19 +21,19 @@ from slider.core.errors import require
 from slider.reports.sections import check_sections
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "untuned", "videos")
-"""Rules, a target and a part of the page that are no stage."""
+"""Reserved names of rules, of a target and of a part of the page that are not stages."""
 ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning, "second_engine": second_engine}
-"""Beside the studies."""
+"""Targets on demand other than studies."""
 
 
 def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[str, JobSpec]:
-    """Jobs by the name of their target, of those on demand the ones that the page shows.
+    """Jobs by the name of their target; targets on demand are included if the page shows them.
 
     The arguments are those of ``study_job``.
 
     Raises:
-        UserError: there is no such section, a protocol or study has a name that is taken, or the
-            page shows a study or the gauge, which cannot be laid out.
+        UserError: a section of the page does not exist, the name of a protocol or study is taken,
+            or the page shows a target on demand whose jobs cannot be created.
     """
     check_sections(config)
     _check_names(config)
@@ -48,14 +47,14 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
 def job_on_demand(
     name: str, config: Config, targets: Mapping[str, JobSpec], overrides: Sequence[str], conf: Path
 ) -> JobSpec:
-    """A study or one of ``ON_DEMAND``; the arguments are those of ``study_job``."""
+    """Job of a study or of one of ``ON_DEMAND``; the arguments are those of ``study_job``."""
     if name in ON_DEMAND:
         return ON_DEMAND[name](config, targets)
     return study_job(name, config, targets, overrides, conf)
 
 
 def _check_names(config: Config) -> None:
-    """Protocols and studies, which are targets, have names of their own."""
+    """Check that names of protocols and studies, which are targets, are unique."""
     taken = {*STAGES, *RULES}
     for group, names in (("study", config.study), ("protocols", config.protocols)):
         for name in names:
@@ -65,7 +64,7 @@ def _check_names(config: Config) -> None:
 
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
-    """What people read of each target below the working directory: copies out of the store."""
+    """Report files of each target below the working directory: copies of files of the store."""
     files = {name: stage.files for name, stage in STAGES.items() if stage.files}
     for name, protocol in config.protocols.items():
         drawn = protocol.profile is None or protocol.profile.rows != "cases"
@@ -80,10 +79,10 @@ def report_files(config: Config) -> dict[str, tuple[str, ...]]:
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
     """Make reports look outdated exactly when they are not those of the current plan.
 
-    Their rule has a file as an input that names the plan's recipe. Where reports on disk are other
-    ones all the same (edited by hand, or the store was cleaned), their digests are appended:
-    Snakemake compares the content of small inputs, so a new modification time alone would not do.
-    It sees itself what is missing.
+    An input of their rule is a marker file with the recipe in the plan. If reports on disk differ
+    from it all the same (edited by hand, or the store was cleaned), their digests are appended:
+    Snakemake compares the content of small inputs, so a new modification time is not sufficient.
+    Snakemake itself detects missing reports.
     """
     recipe, path = plan.targets[target], store.root / "current" / target
     words = path.read_text("utf-8", "replace").split() if path.is_file() else []

@@ -1,12 +1,12 @@
 """The stages: gait → library → standing → walking → evaluation → table1 → report.
 
-Each function lays out jobs: the part of the configuration that is a job's own, its section, and its
-inputs; the entry points are in ``entries``. A section holds nothing that its stage does not use, as
-it is in the recipe.
+Each function creates jobs, with the part of the configuration that a job uses (its section) and its
+inputs; the entry points are in ``entries``. A section is part of the recipe, so it holds only what
+its stage uses.
 
-On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
-that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
-controllers of ``conf/control``; those that walk by gaits need the library and its foot placement.
+Table 1 depends only on gaits, trainings and evaluations; other targets depend on these, so that a
+new exporter or figure does not retrain a policy. The stage ``baseline`` evaluates the controllers
+of ``conf/control``; those based on gaits need the library and its foot placement.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ from slider.env.terms import check_clock, uses_library
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs of everything but the page and what is on demand, by the name of their target."""
+    """Jobs of all targets except the page and targets on demand, by name."""
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library)
@@ -62,15 +62,15 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
 def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:
     """``standing``, if there is a pre-training, and ``walking``, the policy.
 
-    With a fine-tuning ``walking`` is that, and the training before it is ``untuned``. Each begins
-    with the weights of the one before; ``note`` is added to the labels.
+    With fine-tuning, ``walking`` is the fine-tuned policy and ``untuned`` the one before it. Each
+    training starts from the weights of the previous one; ``note`` is appended to the labels.
     """
     jobs: dict[str, JobSpec] = {}
 
     def train(stage: str, label: str, settings: TrainConfig, start: JobSpec | None) -> JobSpec:
-        """A training, with the library where it uses any of it."""
+        """Job of a training, with the library as an input if the training uses it."""
         check_clock(config.env, settings, label)
-        place = device(settings.device)  # in the place of `auto`
+        place = device(settings.device)  # resolves `auto`
         ppo = replace(settings.ppo, precision=precision(settings.ppo.precision, place))
         settings = replace(settings, device=place, ppo=ppo)
         sensed = replace(config, env=replace(config.env, sensing=settings.sensing))
@@ -91,9 +91,9 @@ def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str,
 
 
 def policy_export(env: EnvConfig, walking: JobSpec) -> JobSpec:
-    """The policy for use without this package; the policy file brings its configuration along."""
+    """Export of the policy for use without this package; its file includes the configuration."""
     seen = walking.section["env"]["observation"]["terms"]
-    # Meanings are docstrings: they are in the layout, but in no digest of the source.
+    # Meanings are docstrings: they are part of the layout, but not of the source digest.
     section = {
         "origin": origin(walking),
         "estimator": to_dict(env.estimator),

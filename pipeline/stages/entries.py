@@ -1,4 +1,4 @@
-"""Entry point and files of each stage, and what the jobs of several stages have in common."""
+"""Entry point and report files of each stage, and parts that jobs of several stages share."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,19 +15,19 @@ from slider.reports.figures import FILES as FIGURES
 
 @dataclass(frozen=True)
 class Stage:
-    """Function of a stage, ``module:function``; what people read of its target, in ``reports/``."""
+    """Entry point ``module:function`` of a stage; report files of its target in ``reports/``."""
 
     entry: str
     files: tuple[str, ...] = ()
 
 
 def tables(name: str) -> tuple[str, ...]:
-    """A table with the name of its target."""
+    """Files of a table that is named after its target."""
     return f"{name}.csv", f"{name}.md"
 
 
 def compared(name: str) -> tuple[str, ...]:
-    """Table and figure with the name of their target."""
+    """Files of a table and a figure that are named after their target."""
     return *tables(name), f"figures/{name}.svg"
 
 
@@ -73,7 +73,7 @@ STAGES = {
     "video": Stage("slider.reports.video:run"),
     "report": Stage("slider.reports.page:run", ("index.html",)),
 }
-"""By their names, each of which is a rule."""
+"""Stages by name; each is a rule of Snakemake."""
 
 
 def job(
@@ -88,28 +88,28 @@ def job(
 
 
 def only(values: dict[str, Any], *names: str) -> dict[str, Any]:
-    """Some of the values."""
+    """The values with the given names."""
     return {name: values[name] for name in names}
 
 
 def without(values: dict[str, Any], *names: str) -> dict[str, Any]:
-    """All values but some."""
+    """All values except those with the given names."""
     return {name: value for name, value in values.items() if name not in names}
 
 
 def robot(config: Config) -> dict[str, Any]:
-    """The robot; where its values come from changes no result."""
+    """The robot without provenance, which does not affect results."""
     return without(to_dict(config.robot), "provenance")
 
 
 def simulation(config: Config) -> dict[str, Any]:
-    """The robot and the environment of its policies, and what their networks compute with."""
-    environment = replace(config.env, onboard=config.env.estimation)  # none that it does not use
+    """The robot, the environment of its policies, and the kernels of the numerical libraries."""
+    environment = replace(config.env, onboard=config.env.estimation)  # None where it is not used
     return {"robot": robot(config), "env": to_dict(environment), "numerics": kernels()}
 
 
 def origin(job: JobSpec) -> dict[str, Any]:
-    """Where a result comes from, for the stage that tells people."""
+    """Origin of a result, for stages that report it."""
     return {
         "stage": job.stage,
         "label": job.label,

@@ -20,7 +20,7 @@ from slider.core.files import digest_file
 from slider.core.machine import kernels
 
 _EXPORTED = (ONNX, LAYOUT)  # files of an exported policy
-# What all searches share, and no evaluation has.
+# Settings of searches that are not part of an evaluation.
 _SEARCH = ("trials", "sampler_seed", "finalists", "finalist_robots", "speeds")
 
 
@@ -33,9 +33,9 @@ def lay_out(
     jobs: Mapping[str, JobSpec],
     tracked: bool = True,
 ) -> list[JobSpec]:
-    """A job of each controller in each case, ``WHAT of CONTROLLERCASE``, with the case's settings.
+    """A job per controller and case, labelled ``WHAT of CONTROLLERCASE``, with the case's settings.
 
-    Controllers need the ``jobs`` ``walking``, ``library`` and ``foot_placement``.
+    Controllers may need the ``jobs`` ``walking``, ``library`` and ``foot_placement``.
     """
     made = []
     for controller in controllers:
@@ -49,7 +49,7 @@ def lay_out(
 def evaluations_of(
     config: Config, protocol: EvaluationConfig, jobs: Mapping[str, JobSpec], note: str = ""
 ) -> list[JobSpec]:
-    """A protocol's evaluations, a job per controller and case; ``note`` is added to the labels."""
+    """Evaluations of a protocol, one job per controller and case; ``note`` ends the labels."""
     settings, place = without(protocol_section(protocol), "controllers", "speeds"), "at"
     if protocol.profile is not None:
         settings["profile"], place = without(to_dict(protocol.profile), "rows", "cases"), "in"
@@ -65,21 +65,21 @@ def evaluations_of(
 
 
 def speed_of(evaluation: JobSpec) -> float:
-    """Commanded forward velocity of an evaluation at a constant one [m/s]."""
+    """Commanded forward velocity of an evaluation at constant velocity [m/s]."""
     return evaluation.section["case"]["segments"][0]["vx"]
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
-    """A protocol without the options that it does not use: new ones leave old recipes alone."""
+    """A protocol without unused options, so that new options do not change old recipes."""
     return {name: value for name, value in to_dict(protocol).items() if value is not None}
 
 
 def controlled(
     config: Config, controller: str, jobs: Mapping[str, JobSpec]
 ) -> tuple[dict[str, Any], dict[str, list[JobSpec]]]:
-    """Section with robot, plant and controller; inputs: a policy, the gait library, or none."""
+    """Section with robot, plant and controller; inputs: a policy, the gait library or nothing."""
     section, base = {"controller": controller}, base_of(controller)
-    sensing = "true_state" if base == controller else "onboard"  # that of env is the trainings'
+    sensing = "true_state" if base == controller else "onboard"  # env.sensing is for trainings
     config = replace(config, env=replace(config.env, sensing=sensing))
     if base == POLICY:
         return section | simulation(config), {"walking": [jobs["walking"]]}
@@ -99,20 +99,20 @@ def controlled(
 
 
 def base_of(controller: str) -> str:
-    """The controller without the suffix of one that receives the state estimated on board."""
+    """Name of the controller without the suffix for onboard state estimation."""
     return controller.removesuffix(ONBOARD)
 
 
 def gait_controllers(config: Config) -> list[str]:
-    """Controllers that walk by gaits."""
+    """Controllers that track gaits of the library."""
     return [name for name, c in config.control.items() if isinstance(c, HzdControlConfig)]
 
 
 def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None:
-    """Whether the controllers of a key walk the gaits: those of the knee are no plant's motions.
+    """Check that controllers can track the gaits, which must not be of the virtual knee's dynamics.
 
     Raises:
-        UserError: names one that cannot.
+        UserError: a controller cannot; the message names it.
     """
     for name in set(map(base_of, controllers)).intersection(gait_controllers(config)):
         expected = "none of the family hzd with gait.dynamics=knee"
@@ -120,7 +120,7 @@ def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None
 
 
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
-    """Every gait from its own first sample, with ``hzd`` or another one that walks by gaits."""
+    """Walks of all gaits, each from its first sample, with ``hzd`` or another of its family."""
     for name in sorted(gait_controllers(config), key=lambda name: name != "hzd")[:1]:
         section, inputs = controlled(config, name, jobs)
         section = without(section, "controller") | {"steps": config.hzd.steps}
@@ -129,7 +129,7 @@ def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec
 
 
 def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
-    """Table and figure of each protocol but Table 1's: of speeds, segments of a case, or cases."""
+    """Table and figure per protocol other than Table 1's; rows are speeds, segments or cases."""
     protocols = {}
     for name, protocol in config.protocols.items():
         section = {"name": name, "evaluation": protocol_section(protocol)}
@@ -141,7 +141,7 @@ def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobS
 
 
 def titles(config: Config, controllers: Iterable[str]) -> dict[str, Any]:
-    """What tables and figures call controllers and robot."""
+    """Names of controllers and robot in tables and figures."""
     return {"labels": labels(config, controllers), "robot": config.robot.name}
 
 
@@ -149,7 +149,7 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
     """Names of controllers in tables and figures.
 
     Raises:
-        UserError: two of them have the same one.
+        UserError: two controllers have the same name.
     """
     texts = {POLICY: POLICY_LABEL} | {name: c.label for name, c in config.control.items()}
     texts |= {name: name for name in config.gauge.policies}
@@ -162,7 +162,7 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
-    """Table 1 from all evaluations, with the sway of the gaits that they or the training use."""
+    """Table 1 from all evaluations, and the library of the gaits whose sway it compares, if any."""
     inputs = {"evaluations": evaluations}
     for user in (user for item in evaluations for user in (item, *item.inputs.get("walking", ()))):
         if "library" in user.inputs:
@@ -171,7 +171,7 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 
 def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The searches for settings of the controllers that have a space for it, in one table."""
+    """Hyperparameter searches of the controllers in ``tuning.spaces``, in one table."""
     check_walkable(config, "tuning.spaces", config.tuning.spaces)
     tuning, values, searches = config.tuning, to_dict(config.tuning), []
     protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)
@@ -184,7 +184,7 @@ def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
 
 
 def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
-    """Velocity over time at some of Table 1's speeds."""
+    """Plot of the velocity over time at some speeds of Table 1."""
     speeds = config.report.tracking_speeds
     shown = [item for item in table1.inputs["evaluations"] if speed_of(item) in speeds]
     section = {"speeds": speeds, "control_period": config.env.control_period}
@@ -193,10 +193,10 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
 
 
 def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The table of both engines, and with it the audit of Drake's model and the walks in both.
+    """Comparison of both engines, with the audit of Drake's model and the evaluations in both.
 
     Raises:
-        UserError: Drake is not installed, feet have soles, or a controller cannot walk the gaits.
+        UserError: Drake is not installed, feet have soles, or a controller cannot track the gaits.
     """
     there, settings = importlib.util.find_spec("pydrake") is not None, config.second_engine
     require(there, "second_engine", "Drake (pip install -e '.[drake]' -c constraints.txt)", "none")
@@ -217,7 +217,7 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         there = replace(config, robot=replace(config.robot, contact=contact))
         for one in evaluations_of(there, protocol, jobs, f", friction {friction:g}"):
             made = {"MuJoCo": one}
-            for name, audit in audits.items():  # it comes before the walks
+            for name, audit in audits.items():  # the audit runs before the evaluations
                 section = {**one.section, "drake": audit.section["drake"]}
                 inputs = {**one.inputs, "audit": [audit]}
                 made[name] = job("drake_evaluation", f"{one.label}, {name}", section, inputs)
@@ -230,10 +230,10 @@ def second_engine(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
 
 
 def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The comparison, and with it a job per controller and axis.
+    """Comparison of controllers on the gauge, with a job per controller and axis.
 
     Raises:
-        UserError: an exported policy is not there, or a controller cannot walk the gaits.
+        UserError: an exported policy is missing, or a controller cannot track the gaits.
     """
     gauge = config.gauge
     check_walkable(config, "gauge.controllers", gauge.controllers)
@@ -260,7 +260,7 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
 
 
 def _import(folder: str, name: str) -> JobSpec:
-    """The files of an exported policy; what follows depends on their content, not on the place."""
+    """Import of an exported policy; later jobs depend on the content of its files, not the path."""
     place, files = Path(folder).absolute(), {}
     for file in _EXPORTED:
         there, expected = (place / file).is_file(), f"a folder with {', '.join(_EXPORTED)}"

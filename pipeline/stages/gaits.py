@@ -1,6 +1,6 @@
-"""Gaits, one per velocity of the grid, their library, and what is computed of each gait in it.
+"""Gaits, one per velocity of the grid, their library, and computations for each gait in it.
 
-Controllers like ``hzd`` need the foot placement; no other check of a gait is on the way to Table 1.
+Controllers like ``hzd`` need the foot placement; Table 1 depends on no other check of the gaits.
 """
 
 from dataclasses import fields
@@ -18,13 +18,13 @@ from slider.core.machine import kernels
 from slider.verification.quantities import QUANTITIES
 
 Velocity = tuple[float, float, float]
-ANCHORS = 0.2  # distance of the gaits straight ahead that start from a guess [m/s]
+ANCHORS = 0.2  # spacing of anchors: straight gaits solved without another gait as a start [m/s]
 _BESIDE = ("steps", "chunk")  # settings that foot placement does not use
-_COLLECTED = ("on_failure", "bounds")  # settings of the collection of checks alone
+_COLLECTED = ("on_failure", "bounds")  # settings only for the collection of checks
 
 
 def library_job(config: Config) -> JobSpec:
-    """The gait library, and with it all gaits."""
+    """The gait library, with all gaits as inputs."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
     section = {
@@ -37,10 +37,10 @@ def library_job(config: Config) -> JobSpec:
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:
-    """Commands (vx [m/s], vy [m/s], yaw rate [rad/s]) of a grid, each once, sorted."""
+    """Sorted, distinct commands (vx [m/s], vy [m/s], yaw rate [rad/s]) of a grid."""
 
     def values(axis: Axis | list[float]) -> list[float]:
-        """Rounded to 1e-10, so that grids of other steps share their gaits; no −0."""
+        """Values rounded to 1e-10, so that grids with different steps share gaits; no −0."""
         if isinstance(axis, Axis):
             axis = [axis.start + index * axis.step for index in range(axis_size(axis))]
         return [round(value, 10) + 0.0 for value in axis]
@@ -50,12 +50,12 @@ def velocities(grid: GridConfig) -> list[Velocity]:
 
 
 def mechanism(config: Config) -> dict[str, Any]:
-    """What gaits depend on of the robot."""
+    """The parts of the robot that gaits depend on."""
     return only(to_dict(config.robot), *(f.name for f in fields(Mechanism)))
 
 
 def gait_section(config: Config) -> dict[str, Any]:
-    """What all gaits share: neither the gains of the simulated drives nor the grid."""
+    """Section shared by all gaits, without the gains of the simulated drives and the grid."""
     settings = to_dict(config.gait)
     return {
         "robot": mechanism(config),
@@ -66,7 +66,7 @@ def gait_section(config: Config) -> dict[str, Any]:
 
 
 def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
-    """One gait, which starts from that of its anchor: whatever the grid, it is the same."""
+    """One gait, warm-started from its anchor, so that it does not depend on the grid."""
     vx, vy, yaw_rate = velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     anchor = round(round(vx / ANCHORS) * ANCHORS, 10) + 0.0, 0.0, 0.0
@@ -76,10 +76,10 @@ def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """Chunks of gaits, and their collection.
+    """Verification of chunks of gaits, and its collection.
 
     Raises:
-        UserError: there is a bound of something that is not verified.
+        UserError: a bound is for a quantity that is not verified.
     """
     for name in config.verification.bounds:
         one_of("verification.bounds", name, QUANTITIES)
@@ -98,7 +98,7 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """What controllers take of the linearised gaits; a table for people."""
+    """Foot placement from the linearised gaits, for controllers, and a table of their stability."""
     alone = {"library": [library]}
     section = {"hzd": without(to_dict(config.hzd), *_BESIDE), "numerics": kernels()}
     gaits = _chunks("stability_gaits", "foot placement", section, library, config.hzd.chunk)
@@ -110,7 +110,7 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
 def _chunks(
     stage: str, title: str, section: dict[str, Any], library: JobSpec, size: int
 ) -> list[JobSpec]:
-    """Jobs of a stage, each of so many of the library's gaits."""
+    """Jobs of a stage, each for ``size`` gaits of the library."""
     velocities = [gait.section["velocity"] for gait in library.inputs["gaits"]]
     jobs = []
     for chunk in (velocities[start : start + size] for start in range(0, len(velocities), size)):

@@ -1,4 +1,4 @@
-"""The page about everything, its films, and how this machine renders them."""
+"""The report page, its videos, and the renderer of this machine."""
 
 import ctypes
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
-    """The page; its sections declare what it needs: a target, or a group of its inputs."""
+    """The report page; its sections declare what they need: targets, or inputs of targets."""
     available: dict[str, list[JobSpec]] = {name: [job] for name, job in targets.items()}
     if not targets["velocity_tracking"].inputs["evaluations"]:  # none of its speeds is evaluated
         del available["velocity_tracking"]
@@ -41,13 +41,13 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
 
 
 def needs(config: Config) -> list[str]:
-    """What the sections of the page need, each once."""
+    """Distinct needs of the sections of the page."""
     names = (need for section in config.report.sections for need in page_section(section).needs)
     return list(dict.fromkeys(names))
 
 
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
-    """The configuration of what the page shows."""
+    """The parts of the configuration that the page shows."""
     shown = without(
         to_dict(config), "resources", "tracking", "store", "study", "protocols", "gauge", "tuning"
     )
@@ -65,7 +65,7 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
 
 
 def _videos(config: Config, jobs: Mapping[str, JobSpec]) -> list[JobSpec]:
-    """Films of the controllers at some speeds, and of the policy on each kind of terrain."""
+    """Videos of the controllers at some speeds, and of the policy on each kind of terrain."""
     video, evaluation = config.report.video, config.evaluation
     if video.renderer == "none":
         return []
@@ -83,7 +83,7 @@ def _videos(config: Config, jobs: Mapping[str, JobSpec]) -> list[JobSpec]:
 def _films(
     config: Config, controller: str, speeds: Sequence[float], jobs: Mapping[str, JobSpec]
 ) -> list[JobSpec]:
-    """Short films of one controller."""
+    """Videos of one controller, one per speed."""
     own = {
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
@@ -97,7 +97,7 @@ def _films(
 
 
 def with_renderer(config: Config) -> Config:
-    """Put what works here in the place of ``report.video.renderer=auto``."""
+    """Replace ``report.video.renderer=auto`` by the renderer that works on this machine."""
     video = config.report.video
     if video.renderer != "auto":
         return config
@@ -106,7 +106,7 @@ def with_renderer(config: Config) -> Config:
 
 
 def find_renderer() -> str:
-    """``egl`` or ``osmesa``, the first that works, or ``none``; takes a millisecond."""
+    """The first of ``egl`` and ``osmesa`` that works, else ``none``; takes a millisecond."""
     if _egl_devices() > 0:
         return "egl"
     return "osmesa" if any(_load(name) for name in _OSMESA) else "none"

@@ -1,1 +1,1 @@
-"""Errors, files and the protocol between a job and its stage."""
+"""Errors, files and the interface between a job and its stage."""

@@ -1,7 +1,7 @@
-"""The same formulas for NumPy's arrays and torch's tensors, and rows of batches of arrays.
+"""Common formulas for NumPy arrays and torch tensors, and rows of batches of arrays.
 
-MuJoCo's arrays are NumPy's; environment and learning compute with torch. Formulas that both need
-use operators, methods and functions that have one name in both: ``xp = namespace(x); xp.exp(x)``.
+MuJoCo's arrays are NumPy's; environment and learning use torch. Formulas for both use operators,
+methods and functions with the same name in both libraries: ``xp = namespace(x); xp.exp(x)``.
 """
 
 import copy
@@ -49,13 +49,13 @@ def tensors(batch: T, like: Any) -> T:
 
 
 def consecutive(indices: np.ndarray) -> np.ndarray | slice:
-    """The rows ``indices`` (n,), increasing, as a slice if none is left out."""
+    """Increasing row ``indices`` (n,), as a slice if they are contiguous."""
     gapless = len(indices) and indices[-1] - indices[0] == len(indices) - 1
     return slice(indices[0], indices[-1] + 1) if gapless else indices
 
 
 def take(batch: T, indices: np.ndarray | slice) -> T:
-    """Rows of all arrays of a dataclass, nested dataclasses included; a slice copies none."""
+    """Rows of all arrays of a dataclass and of nested dataclasses; views if given a slice."""
     rows = copy.copy(batch)
     for name, value in _parts(batch):
         part = value[indices] if isinstance(value, np.ndarray) else take(value, indices)

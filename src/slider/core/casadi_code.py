@@ -1,8 +1,8 @@
-"""CasADi's functions as machine code, made once and shared by the jobs of a stage.
+"""CasADi functions as machine code, compiled once and shared by the jobs of a stage.
 
-CasADi writes them as C. A compiler that neither contracts nor reorders operations keeps every bit
-of CasADi's interpreter, in a fifth to a fifteenth of the time. That is checked at random points
-before the first use; without a compiler, or with one that changes a bit, the interpreter evaluates.
+CasADi generates C code. A compiler that neither contracts nor reorders operations reproduces the
+bits of CasADi's interpreter, 5 to 15 times as fast. This is checked at random points before the
+first use; without a compiler, or if any bit differs, the interpreter is used.
 """
 
 import os
@@ -26,36 +26,36 @@ from slider.core import files
 from slider.core.job import Job
 
 Functions = dict[str, ca.Function]
-"""By name."""
+"""Functions by name."""
 Source = Callable[[Any, Callable[[], Functions]], Functions]
-"""Gives functions that depend on parameters alone, plain values; the second argument makes them."""
+"""Functions that depend only on parameters (plain values); the second argument derives them."""
 
-_FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
-_PATIENCE = 300.0  # of a compilation [s]
-_RETRY_AFTER = 3600.0  # a failed compilation [s]
-_SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
+_FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 takes ten times as long to compile
+_PATIENCE = 300.0  # timeout of a compilation [s]
+_RETRY_AFTER = 3600.0  # time until a failed compilation is retried [s]
+_SIZES = (1.0, 1.0, 1.0, 100.0)  # bounds of the random arguments at which functions are compared
 
 
 def interpreted(parameters: Any, derive: Callable[[], Functions]) -> Functions:
-    """Functions as CasADi evaluates them; ``Compiled`` has faster ones."""
+    """Functions evaluated by CasADi's interpreter; :class:`Compiled` is a faster ``Source``."""
     return derive()
 
 
 class Compiled:
-    """Compiled functions in a job's cache; compiles them where that pays, one job at a time.
+    """Compiled functions in a job's cache; one job compiles them if that saves time.
 
     Args:
         job: its ``cache`` holds the libraries.
-        subject: of the functions, for the line of progress.
-        min_pending_jobs: that must wait for a compilation to pay. While one compiles the others
-            interpret; where it pays for one job alone, the others wait.
+        subject: name of the functions in the progress line.
+        min_pending_jobs: number of pending jobs from which on compilation saves time. While one
+            job compiles, others use the interpreter; if this number is 1, they wait.
     """
 
     def __init__(self, job: Job, subject: str, min_pending_jobs: int = 1) -> None:
         self._job, self._subject, self._min_pending_jobs = job, subject, min_pending_jobs
 
     def __call__(self, parameters: Any, derive: Callable[[], Functions]) -> Functions:
-        """Functions that depend on ``parameters`` and the job's source alone."""
+        """Functions that depend only on ``parameters`` and the job's source."""
         if self._job.cache is None:
             return derive()
         machine = sys.platform, platform.machine()
@@ -77,7 +77,7 @@ class Compiled:
         return functions
 
     def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> list[str]:
-        """Compile, compare and keep functions; names of those kept."""
+        """Compile functions and keep them if they agree; return their names, or none."""
         start, names = time.perf_counter(), list(functions)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             library = _build(functions, Path(folder), compiler)
@@ -94,7 +94,7 @@ class Compiled:
 
 
 def _noted(path: Path, note: Path) -> list[str] | None:
-    """Names of the functions in a library; none soon after a failure, None where to compile."""
+    """Names of the functions in a library; empty soon after a failure, None to compile."""
     if not note.is_file():
         return None
     names: list[str] = files.read_json(note)
@@ -103,7 +103,7 @@ def _noted(path: Path, note: Path) -> list[str] | None:
 
 
 def _load(path: Path, names: list[str]) -> Functions:
-    """Functions of a library; none if it does not load on this machine."""
+    """Functions of a library; empty if it does not load on this machine."""
     try:
         return {name: ca.external(name, str(path.resolve())) for name in names}
     except RuntimeError:
@@ -111,15 +111,15 @@ def _load(path: Path, names: list[str]) -> Functions:
 
 
 def _compiler() -> list[str]:
-    """Command of the C compiler; none where there is none."""
-    with suppress(ValueError):  # a quote that nothing closes
+    """Command of the C compiler; empty if there is none."""
+    with suppress(ValueError):  # an unclosed quote
         words = shlex.split(os.environ.get("CC", "cc"))
         return words if words and shutil.which(words[0]) else []
     return []
 
 
 def _build(functions: Functions, folder: Path, compiler: Sequence[str]) -> Path | None:
-    """Library of functions; None where the compiler fails."""
+    """Path of the compiled library; None if the compiler fails."""
     generator = ca.CodeGenerator("functions.c")
     for function in functions.values():
         generator.add(function)
@@ -134,9 +134,9 @@ def _build(functions: Functions, folder: Path, compiler: Sequence[str]) -> Path 
 
 
 def _agree(functions: Functions, compiled: Functions) -> bool:
-    """Tell whether each function gives the same bits in both ways, at points of both signs.
+    """Whether interpreted and compiled functions return the same bits at random points.
 
-    One NaN is as good as another.
+    All NaN count as equal.
     """
     rng = np.random.default_rng(0)
     for name, function in functions.items():

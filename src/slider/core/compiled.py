@@ -1,14 +1,14 @@
-"""Functions over arrays as machine code, compiled by numba and kept in its cache.
+"""Array functions compiled to machine code by numba and kept in its cache.
 
-There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
-target is the same for all x86-64 processors with AVX2: results are those of any of them.
-Products of matrices are those of SciPy's BLAS (``slider.core.machine.kernels``). Settings of numba
-from the environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
+There is no fast-math and no contraction, so each operation rounds according to IEEE 754, and the
+target is the same for all x86-64 processors with AVX2, so that they produce the same results.
+Matrix products use SciPy's BLAS (``slider.core.machine.kernels``). Settings of numba from the
+environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
 
 The cache lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
-Numba does not compare constants that come from other modules, so each function has a folder named
-after its source and constants. Jobs that start at once compile each for itself. Where nothing can
-be written, every process compiles.
+Numba does not detect changes of constants from other modules, so each function has a folder named
+after its source and constants. Jobs that start simultaneously compile separately. If the folder is
+not writable, every process compiles.
 """
 
 import hashlib
@@ -31,10 +31,10 @@ _njit: Any = partial(numba.njit, error_model="numpy")
 
 
 def compiled(function: F) -> F:
-    """Compile a function for the types of its arguments when it is first called.
+    """Compile a function at its first call, for the types of its arguments.
 
-    It may use numbers, arrays and ``part``s of its own module only: these and the source of the
-    module tell whether the machine code is up to date.
+    It may use only numbers, arrays and ``part``s of its own module: these and the source of the
+    module determine whether the cached machine code is up to date.
     """
     folder = _folder(function)
     with suppress(OSError):
@@ -56,12 +56,12 @@ def _folder(function: Callable[..., Any]) -> Path:
 
 
 def part(function: F) -> F:
-    """Let compiled functions of the module call a function: it is compiled with each of them."""
+    """Make a function callable from compiled functions of the module, and compile it with them."""
     return cast(F, _njit(function))
 
 
 def _fix_settings() -> None:
-    """Through the environment, which numba reads again whenever it changes."""
+    """Fix numba's settings through the environment, which it reads again whenever it changes."""
     for name in [name for name in os.environ if name.startswith("NUMBA_")]:
         if name != "NUMBA_CACHE_DIR":
             del os.environ[name]

@@ -1,12 +1,12 @@
-"""The environment that a job starts from, without what could change a result and is in no recipe.
+"""The environment of a job, without anything that could change results but is not in a recipe.
 
 The pipeline runs this file as a script, ``python -I -X utf8 environment.py run …``: Python then
 ignores ``PYTHON*``, packages of the user and the working directory. The package of this file comes
-first on the path, whatever is installed. Variables are taken by an allow-list. Jobs have a home
-folder of their own and work in their work folder, so that no options from elsewhere apply.
+first on the path, whatever is installed. Environment variables are filtered by an allow-list. Jobs
+have their own home and work folders, so that no option files from elsewhere apply.
 
-A signal ends a job at once, without a handler: libraries that call Python, such as CasADi, swallow
-what a handler raises and go on with other numbers. The store bears SIGKILL as well.
+Signals end a job immediately, without a handler: libraries that call Python, such as CasADi,
+swallow exceptions of a handler and continue with wrong numbers. The store tolerates even SIGKILL.
 """
 
 import os
@@ -23,15 +23,15 @@ ALLOWED = frozenset(
         *("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"),
     }
 )
-"""Variables that a job takes over, beside those that begin with ``ALLOWED_PREFIXES``."""
+"""Variables that a job inherits, in addition to those that begin with ``ALLOWED_PREFIXES``."""
 ALLOWED_PREFIXES = ("LC_", "SLURM_")
 LIBRARIES = ("libcasadi", "libipopt", "libmujoco", "libtorch*", "libc10", "libonnxruntime")
-"""What the packages load with names that others use, too."""
+"""Libraries of the packages whose names other installations use as well."""
 _HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may have several users
 
 
 def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
-    """Variables of a job: the allowed ones, and those that switch option files off."""
+    """Variables of a job: the allowed ones, and those that disable option files."""
     names = [n for n in variables if n in ALLOWED or n.startswith(ALLOWED_PREFIXES)]
     allowed = {"USER": "nobody"}  # torch asks for the name, which a container may lack
     allowed |= {name: variables[name] for name in names}
@@ -41,7 +41,7 @@ def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
 def library_path(folders: str) -> str:
     """``LD_LIBRARY_PATH`` without folders that hold other builds of the packages' libraries.
 
-    They would come before those of the packages, as after sourcing a ROS.
+    They would take precedence over those of the packages, for example after sourcing ROS.
     """
 
     def has_others(folder: str) -> bool:
@@ -52,8 +52,8 @@ def library_path(folders: str) -> str:
 
 def main() -> None:
     """Run a command of ``slider`` in the environment of a job."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where it is ignored
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # the only one that Python itself catches
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # unless it is ignored
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # the only signal that Python handles
     variables = job_environment(os.environ, _HOME.absolute())
     os.environ.clear()
     os.environ.update(variables)

@@ -1,4 +1,4 @@
-"""The one error that users see as a single line."""
+"""Errors that users see as a single line."""
 
 import errno
 import os
@@ -11,16 +11,16 @@ from typing import Any
 class UserError(Exception):
     """Bad input from a user: one line that says what was expected and what was found.
 
-    Command-line entry points print it without a trace and exit with status 1.
+    Command-line entry points print it without a traceback and exit with status 1.
     """
 
 
 class NotReadError(UserError):
-    """The system did not let a file be read, which says nothing about its content."""
+    """A file could not be read, which does not mean that its content is damaged."""
 
 
 def not_read(error: OSError, place: Path) -> NotReadError:
-    """Line about a place that cannot be read; ``place`` is named where the error names none."""
+    """Error about a path that cannot be read; ``place`` is named if the error names no path."""
     return NotReadError(
         f"expected to read {error.filename or place}, found: {error.strerror or error}"
     )
@@ -40,20 +40,20 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _FOLDERS = ("reports", ".snakemake")
-# Messages of numpy and torch about a full disk, which lack its number.
+# Messages of numpy and torch about a full disk, which lack the error number.
 _SHORT = re.compile(
     r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
 )
 
-# What torch, CasADi, MuJoCo and CUDA say instead of a MemoryError.
+# Messages of torch, CasADi, MuJoCo and CUDA instead of a MemoryError.
 _NO_MEMORY = re.compile(r"(can't|not) allocate memory|bad_alloc|out of memory", re.IGNORECASE)
 
 
 def not_written(error: BaseException, place: Path) -> UserError | None:
-    """Line about an error that comes from a place that cannot be written; None for other errors.
+    """Error about a path that cannot be written; None if ``error`` has another cause.
 
-    ``place`` is named where the error names none. Errors unrelated to disks, such as a missing
-    right, counts below ``place`` and the other folders that the pipeline writes.
+    ``place`` is named if the error names no path. Errors other than those of disks, such as a
+    missing permission, count only below ``place`` and other folders that the pipeline writes.
     """
     for cause in _chain(error):
         if isinstance(cause, OSError):
@@ -67,7 +67,7 @@ def not_written(error: BaseException, place: Path) -> UserError | None:
 
 
 def no_memory(error: BaseException) -> UserError | None:
-    """Line about a failed memory allocation; None for other errors."""
+    """Error about a failed memory allocation; None if ``error`` has another cause."""
     for cause in _chain(error):
         if isinstance(cause, MemoryError) or _NO_MEMORY.search(str(cause)):
             found = next(iter(str(cause).splitlines()), "") or "none"
@@ -86,7 +86,7 @@ def _is_ours(where: object, place: Path) -> bool:
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
-    """An error and its causes; only of an error of files also what was handled meanwhile."""
+    """An error and its causes; for an ``OSError`` also its context."""
     while error is not None:
         yield error
         handled = isinstance(error, OSError) and not error.__suppress_context__

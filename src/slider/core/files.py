@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and digests of files, folders and plain values."""
+"""Atomic writing of files, and digests of files, folders and plain values."""
 
 import hashlib
 import json
@@ -29,7 +29,7 @@ FileTable = dict[str, FileEntry]
 
 
 def write_atomic(path: Path, text: str) -> None:
-    """Replace a file in one step; a reader sees the old text or the new one."""
+    """Replace a file atomically; a reader sees the old or the new text."""
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -39,7 +39,7 @@ def write_atomic(path: Path, text: str) -> None:
             os.fsync(file.fileno())
         part.replace(path)
         sync(path.parent, path.parent.parent)
-    except OSError as error:  # of a full disk it names no file
+    except OSError as error:  # for a full disk it names no file
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         with suppress(OSError):  # on a read-only disk
@@ -47,23 +47,23 @@ def write_atomic(path: Path, text: str) -> None:
 
 
 def sync(*paths: Path) -> None:
-    """Wait until files, or the names in folders, would outlive a power cut."""
+    """Flush files, or the entries of folders, to disk, so that they survive a power failure."""
     for path in paths:
         descriptor = os.open(path, os.O_RDONLY)
         try:
             os.fsync(descriptor)
         except OSError:
-            if path.is_file():  # some file systems cannot do it for folders
+            if path.is_file():  # some file systems cannot sync folders
                 raise
         finally:
             os.close(descriptor)
 
 
 def entries(folder: Path) -> list[Path]:
-    """What is in a folder, sorted; nothing where there is no folder.
+    """Sorted entries of a folder; empty if it does not exist.
 
     Raises:
-        NotReadError: it cannot be listed, or something else, or a link to nothing, is in its place.
+        NotReadError: it cannot be listed, is not a folder, or is a dangling link.
     """
     try:
         return [folder / name for name in sorted(os.listdir(folder))]
@@ -74,7 +74,7 @@ def entries(folder: Path) -> list[Path]:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Write standard JSON in one step; infinities and NaN become the strings inf, -inf, nan."""
+    """Write standard JSON atomically; infinities and NaN become the strings inf, -inf, nan."""
     text = json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False)
     write_atomic(path, text + "\n")
 
@@ -92,7 +92,7 @@ def read_json(path: Path) -> Any:
 
 
 def canonical(value: Any) -> str:
-    """JSON without spaces; keys keep their order, since the order of term tables has a meaning."""
+    """JSON without spaces; keys keep their order, since the order of term tables matters."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
@@ -117,7 +117,7 @@ def list_files(folder: Path) -> list[str]:
 
     Raises:
         OSError: a folder cannot be listed.
-        ValueError: something that is neither a file nor a folder, such as a link.
+        ValueError: an entry is neither a regular file nor a folder, such as a link.
     """
     names, waiting = [], [folder]
     while waiting:
@@ -139,12 +139,12 @@ def file_table(folder: Path) -> FileTable:
 
 
 def digest_table(table: FileTable) -> str:
-    """Name of a folder's content: digest of its sorted paths and their files' digests."""
+    """Digest of a folder's content: of its sorted paths and the digests of their files."""
     return digest_value([[name, table[name].sha256] for name in sorted(table)])
 
 
 def plain(value: Any) -> Any:
-    """Value as JSON can hold it; infinities and NaN become the strings inf, -inf, nan."""
+    """Value in types of JSON; infinities and NaN become the strings inf, -inf, nan."""
     if isinstance(value, Mapping):
         return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -157,7 +157,7 @@ def plain(value: Any) -> Any:
 
 
 def flatten(node: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested mappings as one, ``{"a": {"b": 1}}`` as ``{"a.b": 1}``."""
+    """Flatten nested mappings: ``{"a": {"b": 1}}`` becomes ``{"a.b": 1}``."""
     flat: dict[str, Any] = {}
     for name, value in node.items():
         if isinstance(value, Mapping):

@@ -1,11 +1,11 @@
-"""What a stage is given besides its configuration and inputs, and what it returns.
+"""Interface of a stage: its arguments and its return value.
 
 Every stage is one function ``run(section, inputs, out, job) -> summary``:
 
 * ``section``: the stage's own part of the resolved configuration, plain nested dictionaries;
 * ``inputs``: name → object folders of the stages it depends on, in a fixed order;
-* ``out``: empty folder for the result's files (same input, same bytes);
-* ``job``: work folder, threads, metrics and progress: nothing that may change the result;
+* ``out``: empty folder for the result's files, which must be the same bytes for the same input;
+* ``job``: work folder, threads, metrics and progress; must not affect the result;
 * ``summary``: small, deterministic values for the manifest (JSON).
 """
 
@@ -22,16 +22,16 @@ LogMetrics = Callable[[Mapping[str, float], int], None]
 
 @dataclass(frozen=True)
 class Job:
-    """Surroundings of one stage.
+    """Runtime context of a stage.
 
     Attributes:
-        work: folder that survives a killed job; checkpoints go here.
-        threads: processor threads the job may use.
-        log_metrics: records numbers by name at a step. Never raises.
-        progress: shows one line to the person who waits.
-        metadata: what differs between runs, such as times; run metadata beside the manifest.
-        cache: folder that jobs of the same source share, of what may be deleted at any time.
-        waiting: jobs of the stage whose results the plan still lacks, this one among them.
+        work: folder that survives a killed job, for checkpoints.
+        threads: number of threads that the job may use.
+        log_metrics: records metrics by name at a step. Never raises.
+        progress: shows one line to the user.
+        metadata: values that differ between runs, such as times; stored as run metadata.
+        cache: folder shared by jobs of the same source; may be deleted at any time.
+        waiting: number of jobs of the stage without a result in the plan, including this one.
         input_metadata: for each name in ``inputs``, the run metadata of those stages in the same
             order, with ``wall_s`` and ``cpu_s`` (an empty dictionary where none are known). For
             display and tracking only.

@@ -1,7 +1,7 @@
-"""The machine that a job runs on: its name, the kernels of its libraries, device, precision.
+"""The machine that a job runs on: processor, numerical kernels, device, precision.
 
-NumPy, BLAS and torch choose their kernels by the processor, so :func:`kernels` stands in the
-recipes of the stages whose bytes depend on it.
+NumPy, BLAS and torch choose their kernels by the processor, so :func:`kernels` is part of the
+recipes of the stages whose results depend on it.
 """
 
 import importlib
@@ -29,12 +29,12 @@ _MAKERS = {"GenuineIntel": "intel", "AuthenticAMD": "amd"}
 
 @cache
 def machine() -> str:
-    """Processor, number of its cores that this process may use, operating system, kernels."""
+    """Processor, number of cores that this process may use, operating system, kernels."""
     return f"{processor()}, {cores()} cores, {platform.system()}, {kernels()}"
 
 
 def cores() -> int:
-    """Cores that this process may use: those of its affinity mask, within a container's quota."""
+    """Number of cores in this process's affinity mask, at most the quota of its container."""
     affinity = getattr(os, "sched_getaffinity", None)
     own = len(affinity(0)) if affinity else os.cpu_count() or 1
     with suppress(OSError, ValueError):  # no quota, or "max"
@@ -45,7 +45,7 @@ def cores() -> int:
 
 @cache
 def kernels() -> str:
-    """Architecture, instruction set and maker of the processor here: ``x86_64-avx512-intel``."""
+    """Architecture, instruction set and vendor of the CPU, such as ``x86_64-avx512-intel``."""
     if platform.machine() != "x86_64":
         return platform.machine()
     flags = set(cpuinfo("flags").split())
@@ -55,7 +55,7 @@ def kernels() -> str:
 
 
 def processor() -> str:
-    """Name of the processor, from ``/proc/cpuinfo`` where there is one."""
+    """Name of the processor, from ``/proc/cpuinfo`` if available."""
     return cpuinfo("model name") or platform.processor() or platform.machine()
 
 
@@ -70,26 +70,26 @@ def cpuinfo(field: str) -> str:
 
 
 MOST_THREADS = 4
-"""Threads of the physics of a training at the most."""
+"""Maximum number of threads for the physics of a training."""
 
 
 def training_threads(cores: int) -> int:
     """Half of the cores, from two to :data:`MOST_THREADS`.
 
-    With more threads the networks, which have one each, take most of a training's time.
+    With more threads, most of the time of a training is that of the single-threaded networks.
     """
     return min(cores, max(2, min(cores // 2, MOST_THREADS)))
 
 
 def device(setting: str) -> str:
-    """``cpu`` or ``cuda``; ``auto`` is cuda where torch finds one here."""
+    """``cpu`` or ``cuda``; ``auto`` is cuda if torch finds a device."""
     if setting != "auto":
         return setting
     return "cuda" if _has_cuda() else "cpu"
 
 
 def precision(setting: str, device: str = "cpu") -> str:
-    """``bfloat16`` or ``float32``; ``auto`` is bfloat16 on a processor with instructions for it."""
+    """``bfloat16`` or ``float32``; ``auto`` is bfloat16 on a CPU with instructions for it."""
     if setting != "auto":
         return setting
     fast = any(level in kernels() for level in ("amx", "avx512_bf16"))
@@ -97,10 +97,10 @@ def precision(setting: str, device: str = "cpu") -> str:
 
 
 def check_machine(section: Mapping[str, Any]) -> None:
-    """Compare the ``numerics`` and the device of a section with this machine.
+    """Check that this machine has the ``numerics`` and the device of a section.
 
     Raises:
-        UserError: the machine has others.
+        UserError: it has not.
     """
     expected = section.get("numerics", kernels())
     if expected != kernels():

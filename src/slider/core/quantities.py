@@ -1,4 +1,4 @@
-"""Quantities, the columns of frames: title, unit, and how their numbers are printed."""
+"""Quantities, which are columns of data frames: title, unit and number format."""
 
 import math
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ _MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
 class Quantity:
     """A column of the reports; the unit of a share starts with %.
 
-    ``scale`` is the shown number per stored one, which is in SI units, or a share of 1; ``digits``
-    is the format of numbers, by default three digits, or percent with one decimal.
+    ``scale`` is the ratio of displayed to stored values, which are in SI units or shares of 1.
+    ``digits`` is the number format, by default three digits, or percent with one decimal.
     """
 
     title: str
@@ -27,11 +27,11 @@ class Quantity:
 
     @property
     def share(self) -> bool:
-        """Whether it is shown in percent."""
+        """Whether the quantity is shown in percent."""
         return self.unit.startswith("%")
 
     def text(self, value: float) -> str:
-        """A number as it is printed; – for NaN."""
+        """Formatted value; – for NaN."""
         if math.isnan(value):
             return NONE
         if math.isinf(value):
@@ -46,24 +46,24 @@ class Quantity:
         return text if float(text) else "0"
 
     def between(self, value: float, low: float, high: float) -> str:
-        """A number with its 95 % interval, such as ``99.6 [99, 99.8]``."""
+        """Value with its 95 % confidence interval, such as ``99.6 [99, 99.8]``."""
         if math.isnan(value) or math.isnan(low):
             return self.text(value)
         return f"{self.text(value)} [{self.text(low)}, {self.text(high)}]"
 
     def ranged(self, value: float, low: float, high: float) -> str:
-        """A number and what it lies between, such as ``0.15 (0.10–0.20)``, unless all look same."""
+        """Value with its range, such as ``0.15 (0.10–0.20)``; without it if its ends look equal."""
         text, least, greatest = map(self.text, (value, low, high))
         return text if least == greatest else f"{text} ({least}–{greatest})"
 
 
 def decimals(value: float) -> int:
-    """Decimals that show three digits of a value, as the paper does, unless it is next to none."""
+    """Number of decimals for three significant digits, as in the paper; limited for tiny values."""
     if value <= 0:
         return 3
     return min(max(0, 2 - math.floor(math.log10(value))), _MOST_DECIMALS)
 
 
 def speed_text(speed: float) -> str:
-    """Commanded speed as people write it, such as ``1.0`` or ``0.25`` [m/s]."""
+    """Commanded speed [m/s] as text, such as ``1.0`` or ``0.25``."""
     return f"{speed:.1f}" if round(speed, 1) == speed else f"{speed:g}"

@@ -1,7 +1,7 @@
-"""Frames in CSV files, tables of texts in Markdown and LaTeX, and documents of these.
+"""Data frames in CSV files, text tables in Markdown and LaTeX, and documents made of tables.
 
-A frame has a column for each quantity, in SI units, NaN where there is none; see
-:class:`slider.core.quantities.Quantity` for how its numbers are printed.
+A frame has one column per quantity, in SI units, with NaN for missing values; see
+:class:`slider.core.quantities.Quantity` for number formats.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ from slider.core.errors import require
 
 
 def write(frame: pd.DataFrame, path: Path, digits: int = 6) -> None:
-    """Write CSV without the index; flags become 0 and 1."""
+    """Write CSV without the index; booleans become 0 and 1."""
     flags = dict.fromkeys(frame.select_dtypes(bool), int)
     form = f"%.{digits}g"
     frame.astype(flags).to_csv(path, index=False, float_format=form, lineterminator="\n")
@@ -23,10 +23,10 @@ def write(frame: pd.DataFrame, path: Path, digits: int = 6) -> None:
 def read(
     file: Path | IO[str], expected: Sequence[str] = (), flags: Sequence[str] = ()
 ) -> pd.DataFrame:
-    """Read a file back: numbers, NaN for empty cells, texts, and columns ``flags`` as bool.
+    """Read a CSV file: numbers, texts, NaN for empty cells, and columns ``flags`` as bool.
 
     Raises:
-        UserError: the file has other columns than ``expected``, if any are.
+        UserError: ``expected`` is given and differs from the columns of the file.
     """
     frame = pd.read_csv(file, keep_default_na=False, na_values=[""], float_precision="round_trip")
     possible = not expected or [*expected] == [*frame]
@@ -35,7 +35,7 @@ def read(
 
 
 def markdown(parts: Iterable["str | Table"]) -> str:
-    """Texts and tables below each other."""
+    """Markdown document of texts and tables."""
     texts = (part.markdown if isinstance(part, Table) else part for part in parts)
     return "\n\n".join(text.strip("\n") for text in texts) + "\n"
 
@@ -71,7 +71,7 @@ def _latex(cell: str) -> str:
 
 
 def escape(text: str) -> str:
-    """Text as LaTeX reads it."""
+    """Text with LaTeX's special characters escaped."""
     return "".join(_LATEX.get(character, character) for character in text)
 
 

@@ -1,1 +1,1 @@
-"""From ``conf/``, overrides and robots' files to a checked configuration: all that knows Hydra."""
+"""From ``conf/``, overrides and robot files to a validated configuration: all code using Hydra."""

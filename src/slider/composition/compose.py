@@ -1,8 +1,8 @@
-"""Compose ``conf/`` with Hydra overrides into a typed, checked :class:`Config`.
+"""Compose ``conf/`` with Hydra overrides into a typed, validated :class:`Config`.
 
-Defaults may follow the robot: ``${by_leg:0.4}`` is 0.4 for SLIDER and in proportion for others.
-Times and speeds grow with the root of the leg's length: walks of the same Froude number v²/(g l)
-are alike. A number in the place of the expression stays as it is typed.
+Defaults may scale with the robot: ``${by_leg:0.4}`` is 0.4 for SLIDER and proportional to leg
+length for others. Times and speeds scale with the square root of leg length, since walks of equal
+Froude number v²/(g l) are similar. A plain number instead of the expression is not scaled.
 """
 
 import difflib
@@ -30,12 +30,12 @@ from slider.config.validation import validate
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
-_MOST_STEPS = 1000  # of a list from start to stop
-_HALF_WIDTH, _MASS = 0.1, 12.5248  # between the pitch axes of SLIDER [m], and its mass [kg]
+_MOST_STEPS = 1000  # maximum length of a list from start to stop
+_HALF_WIDTH, _MASS = 0.1, 12.5248  # half the distance of SLIDER's pitch axes [m]; its mass [kg]
 _FOLDERS = {"control": "control", "protocols": "evaluation", "study": "study"}
-"""Group of which all are there → the folder whose files they are."""
+"""Group that contains all files of a folder → that folder."""
 _CHOICES = ("base", "default", "development")
-"""Files that are none of these: a base, and choices of the protocol of Table 1."""
+"""Files that are not members of such a group: a base, and choices for Table 1's protocol."""
 _ALL = re.compile(rf"\W*({'|'.join(_FOLDERS)})(=|$)(?!all$)")
 _HYDRA = re.compile(r"\W*hydra(\W|$)")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
@@ -54,7 +54,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 
 @contextmanager
 def _hydra_of(conf: Path) -> Iterator[None]:
-    """Hydra with the files of a folder; a process has one, and the caller's own comes back."""
+    """Hydra initialised with a folder; afterwards the caller's instance is active again."""
     caller = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
     try:
@@ -65,7 +65,7 @@ def _hydra_of(conf: Path) -> Iterator[None]:
 
 
 def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
-    """Resolve ``conf/config.yaml``; half a second.
+    """Resolve ``conf/config.yaml`` without validation; takes half a second.
 
     Raises:
         UserError: an unknown key or group, or files or overrides that cannot be read.
@@ -79,7 +79,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
         try:
             options = []
             for text in store_robot(overrides, conf):
-                # Hydra lets no list take the place of start, stop and step: delete them first.
+                # Hydra cannot replace start, stop and step by a list: delete them first.
                 axis = _LIST_FOR_AXIS.match(text)
                 options += [f"~{axis[1]}", f"+{text}"] if axis else [text]
             config = hydra_compose("config", overrides=options)
@@ -94,12 +94,12 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(_first_line(error)) from None
         except (YAMLError, UnicodeDecodeError) as error:
             raise UserError(malformed(error)) from None
-        except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
+        except (TypeError, ValueError, AttributeError):  # of Hydra, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
 
 
 def _dotted(space: Any) -> Any:
-    """Ranges by the dotted names of settings; overrides nest them as the settings are nested."""
+    """Search ranges by dotted names of settings; overrides define them as nested values."""
     if not isinstance(space, dict):
         return space
     ranges: dict[str, Any] = {}
@@ -112,9 +112,9 @@ def _dotted(space: Any) -> Any:
     return ranges
 
 
-# Values of other types pass unchanged: the schema names the key and the expected type.
+# Values of other types are returned unchanged: the schema reports the key and the expected type.
 def _steps(start: float, stop: Any, step: float) -> list[Any]:
-    """Numbers from start up to stop, itself included where a step meets it."""
+    """Numbers from start to stop, including ``stop`` if a step reaches it."""
     if not isinstance(stop, int | float) or not start <= stop <= start + _MOST_STEPS * step:
         return [stop]
     count = int((stop - start) / step + 1e-9) + 1
@@ -131,10 +131,10 @@ def _register_scale(name: str, scale: Callable[[Any], float]) -> None:
 
     def resolve(value: float, *, _root_: DictConfig) -> float:
         try:
-            factor = round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
+            factor = round(scale(_root_.robot), 12)  # removes rounding errors of a sum of masses
             return value * factor if factor > 0.0 else value
         except (OmegaConfBaseException, TypeError, AttributeError, ZeroDivisionError):
-            return value  # the schema has a line about the robot's value, which comes first
+            return value  # the schema reports the error in the robot's value first
 
     OmegaConf.register_new_resolver(name, resolve, replace=True)
 
@@ -146,7 +146,7 @@ def _mass(robot: Any) -> float:
 
 
 def _slide_or_knee(slide: float, knee: float, *, _root_: DictConfig) -> float:
-    """The first value for a leg that slides, the second for one that has a knee."""
+    """The first value for a sliding leg, the second for a leg with a knee."""
     try:
         return slide if _root_.robot.geometry.get("knee") is None else knee
     except (OmegaConfBaseException, AttributeError):
@@ -168,9 +168,9 @@ _register_scale("by_weight", lambda robot: _mass(robot) / _MASS)
 
 
 def _check_groups(overrides: Sequence[str]) -> None:
-    """Refuse keys that start programs of Hydra, and choices of controllers and studies.
+    """Reject keys of Hydra itself, and selections of controllers, protocols and studies.
 
-    All of these are there; protocols and targets choose among them.
+    The configuration always has all of these; protocols and targets select among them.
     """
     for text in overrides:
         if _HYDRA.match(text):
@@ -182,7 +182,7 @@ def _check_groups(overrides: Sequence[str]) -> None:
 
 
 def _store_all(conf: Path, group: str, folder: str) -> None:
-    """Write the option ``GROUP=all``: each file of ``conf/FOLDER`` under its own name."""
+    """Define the option ``GROUP=all``, with each file of ``conf/FOLDER`` under its own name."""
     names = [name for name in _stems(conf / folder) if name not in _CHOICES]
     for name in names:
         key, fits = f"{conf / folder}/{name}.yaml", name != "all" and "." not in name
@@ -211,7 +211,7 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
 
 
 def _unknown(key: str, conf: Path) -> str:
-    """Line about a key that the configuration lacks, with the nearest one."""
+    """Message about a key that the configuration lacks, with the nearest known key."""
     group, leaf = key.partition(".")[0], key.rpartition(".")[2]
     node: Any = compose([], conf)
     keys, place = [*flatten(to_dict(node))], ""

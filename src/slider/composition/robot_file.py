@@ -1,11 +1,11 @@
 """``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
-An installed package may give a path a name, by an entry point of ``slider.robots``: ``robot=NAME``.
-Names of ``conf/robot`` come first. ``robot=menagerie:NAME`` has our roles for a model of MuJoCo
-Menagerie, by its name in the package ``robot_descriptions``.
-The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
-``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
-optional. A value of either file has no other tag than the file's.
+An installed package may name a path by an entry point of ``slider.robots``: ``robot=NAME``. Names
+in ``conf/robot`` take precedence. ``robot=menagerie:NAME`` uses predefined roles for a model of
+MuJoCo Menagerie, by its name in the package ``robot_descriptions``.
+The file may extend one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
+``roles``, links, axes and joints come from a model file, unless the robot file has them. Provenance
+tags are optional. Values of the two files have only tags that the robot file assigns.
 """
 
 import json
@@ -27,7 +27,7 @@ from slider.config.parameters import tag
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
-if TYPE_CHECKING:  # planning has no need of MuJoCo, but for robots with a model file
+if TYPE_CHECKING:  # planning needs MuJoCo only for robots with a model file
     from slider.robot.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
@@ -38,13 +38,13 @@ _MENAGERIE = Path(__file__).parent / "menagerie"
 
 
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
-    """The overrides with an option in the place of a path; its values are those of the file.
+    """The overrides, with the path of a robot replaced by an option that holds the file's values.
 
-    Each value has the file's tag, null where it gives none. The file may change robots of
-    ``conf/robot``, and they not the file.
+    Each value has the tag that the file assigns, else null. The file may override the robot of
+    ``conf/robot`` that it extends, not the reverse.
 
     Raises:
-        UserError: there is no such file, it cannot be read or it is no robot's.
+        UserError: the file does not exist, cannot be read or does not describe a robot.
     """
     names = sorted(file.stem for file in (conf / "robot").glob("*.yaml"))
     own = {f"robot={name}" for name in names}
@@ -68,9 +68,9 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
 
 
 def without_absent(robot: Any) -> None:
-    """Drop joints that are null, and drives, gains and tags of what is, such as a capstan.
+    """Drop joints that are null, and drives, gains and tags of null parts, such as a capstan.
 
-    They come from the robot that a file builds on: no file can delete a key.
+    They are inherited from the robot that a file extends, since a file cannot delete keys.
     """
     if not isinstance(robot, dict):
         return
@@ -84,9 +84,9 @@ def without_absent(robot: Any) -> None:
 
 
 def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
-    """What the model file of the robot's file gives, if it names one, and the keys of both.
+    """Content of the model file that a robot file names, if any, and the dotted keys of both files.
 
-    Keys are dotted. An option of ``conf/robot`` gives neither: (None, None).
+    For an option of ``conf/robot``, both are None.
     """
     if (path := _path(f"robot={option}")) is None:
         return None, None
@@ -96,7 +96,7 @@ def read_option(option: str) -> "tuple[ModelFile | None, set[str] | None]":
 
 
 def _path(text: str) -> Path | None:
-    """File that an override names; of a folder its ``robot.yaml``."""
+    """Robot file that an override names; for a folder its ``robot.yaml``; None if no path."""
     if text.startswith("robot=menagerie:"):
         names = sorted(file.stem for file in _MENAGERIE.glob("*.yaml"))
         require((name := text.partition(":")[2]) in names, text, " or ".join(names), name)
@@ -116,21 +116,21 @@ def _path(text: str) -> Path | None:
 
 
 def _described(name: str) -> Path:
-    """Model file of ``robot_descriptions``, which gets MuJoCo Menagerie by git on first use."""
+    """Model file of ``robot_descriptions``, which clones MuJoCo Menagerie by git at first use."""
     try:
         with redirect_stdout(sys.stderr):
             return Path(import_module(f"robot_descriptions.{name}_mj_description").MJCF_PATH)
-    except Exception as error:  # of git, of the network, of the disk, or there is no package
+    except Exception as error:  # of git, network or disk, or the package is not installed
         found = " ".join(str(error).split())
         expected = "a model that robot_descriptions (pip install -e '.[menagerie]') can clone"
         raise UserError(f"menagerie:{name}: expected {expected}, found: {found}") from None
 
 
 def read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
-    """Values of a robot's file apart from ``model`` and ``roles``, and what its model file gives.
+    """Values of a robot file other than ``model`` and ``roles``, and content of its model file.
 
     Raises:
-        UserError: a file cannot be read, or is no robot's.
+        UserError: a file cannot be read, or does not describe a robot.
     """
     try:
         node = OmegaConf.to_container(OmegaConf.load(path))
@@ -157,7 +157,7 @@ def read(path: Path) -> "tuple[dict[str, Any], ModelFile | None]":
 
 
 def malformed(error: Exception) -> str:
-    """File, line and what is wrong there, as far as the parser says."""
+    """Message with file, line and error, if the parser reports them."""
     if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
         return f"configuration: expected YAML, found {' '.join(str(error).split())}"
     where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"

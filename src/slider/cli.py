@@ -1,8 +1,8 @@
 """The command ``slider``: a table of subcommands.
 
-A module of one subcommand offers ``add_arguments(parser)`` and ``run(arguments)``, one of several
-``NAME_arguments`` and ``NAME`` of each. Modules are imported when their command is given, so that a
-gait job does not wait for torch.
+A module with one subcommand has ``add_arguments(parser)`` and ``run(arguments)``; a module with
+several has ``NAME_arguments`` and ``NAME`` for each. Only the module of the given command is
+imported, so that a gait job does not wait for torch.
 """
 
 import argparse
@@ -33,14 +33,14 @@ INTERNAL = {
     "run": ("slider.commands.jobs:run", "run one job of a plan"),
     "publish": ("slider.commands.jobs:publish", "copy files of a result out of the store"),
 }
-"""What the pipeline calls; no help lists it."""
+"""Commands that only the pipeline calls; not listed in the help."""
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line; those of subcommands are like it."""
+    """Argument parser, also of subcommands, whose errors are one-line messages."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise it.
+        """Raise the message.
 
         Raises:
             UserError: always.
@@ -50,7 +50,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one subcommand; bad input is one line and status 1."""
+    """Run one subcommand; bad input results in a one-line message and status 1."""
     _open_streams()
     name, *arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _require_own_folder()
         if name not in COMMANDS | INTERNAL:
             return _no_command(name)
-        if "--film" not in arguments:  # else MuJoCo needs no renderer, also not a broken one
+        if "--film" not in arguments:  # otherwise a renderer is not needed and may be broken
             os.environ.pop("MUJOCO_GL", None)
         place, text = (COMMANDS | INTERNAL)[name]
         place, _, function = place.partition(":")
@@ -70,7 +70,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except UserError as error:
         line = str(error)
-    except BrokenPipeError:  # who reads has seen enough, such as `head`
+    except BrokenPipeError:  # the reader has closed the pipe, such as `head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
@@ -82,7 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _require_own_folder() -> None:
-    """Refuse a checkout whose source is another one: a copied environment runs the original's."""
+    """Reject a checkout other than the installed one: a copied environment runs the original."""
     here, own = Path("src/slider/cli.py"), Path(__file__)
     if here.is_file() and not here.samefile(own):
         found = own.parents[2]
@@ -90,9 +90,9 @@ def _require_own_folder() -> None:
 
 
 def _open_streams() -> None:
-    """Open what the caller closed (``>&-``): other files would take the numbers.
+    """Open standard streams that the caller closed (``>&-``), so that no file gets their numbers.
 
-    A sign that the encoding of the terminal lacks is shown as ``?``.
+    Characters that the terminal's encoding lacks are shown as ``?``.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -104,7 +104,7 @@ def _open_streams() -> None:
 
 
 def _no_command(name: str) -> int:
-    """Show the commands, or that there is no such one."""
+    """Show the commands, or reject an unknown one."""
     lines = [f"  {name:<20}{text}" for name, (_, text) in COMMANDS.items()]
     parser = Parser(
         "slider",

@@ -1,10 +1,10 @@
-"""``slider config``: print the resolved configuration, what its keys mean, or its JSON schema."""
+"""``slider config``: print the resolved configuration, a reference of its keys, or its schema."""
 
 import argparse
 import json
 from pathlib import Path
 
-_WIDEST = 44  # characters of a column; a longer cell moves the rest of its row
+_WIDEST = 44  # maximum column width; longer cells shift the rest of their row
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

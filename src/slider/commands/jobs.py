@@ -1,4 +1,4 @@
-"""What the pipeline calls: ``slider run`` and ``slider publish``."""
+"""Commands that the pipeline calls: ``slider run`` and ``slider publish``."""
 
 import argparse
 import io
@@ -33,7 +33,7 @@ def run_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the job; on failure show the end of its log and where the log is."""
+    """Run the job; on failure show the path and the end of its log."""
     plan = read_plan(arguments.plan)
     spec = plan.jobs.get(arguments.recipe)
     if spec is None or spec.key(spec.input_recipes) != spec.recipe:
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     progress = store.progress_path(spec.stage, spec.recipe).absolute()
 
     def show(message: str) -> None:
-        """Progress goes to the log, its latest line to a file, for the display of the run."""
+        """Write progress to the log, and the latest line to a file for the display of the run."""
         print(message, flush=True)
         progress.parent.mkdir(parents=True, exist_ok=True)
         progress.write_text(message, encoding="utf-8")
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
             line = own or not_written(error, store.root) or no_memory(error)
             if line is not None:
                 for stream in (terminal, sys.stdout):
-                    with suppress(OSError):  # no space for the end of the log
+                    with suppress(OSError):  # the disk may be full
                         print(f"slider: {spec.label}: {line}", file=stream, flush=True)
                 return 1
             traceback.print_exc()
@@ -73,13 +73,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _output_to(log: Path) -> Iterator[TextIO]:
-    """Send all output to a log, libraries written in C included; yield the terminal."""
+    """Redirect all output to a log, including that of C libraries; yield the terminal."""
     log.parent.mkdir(parents=True, exist_ok=True)
     with os.fdopen(os.dup(2), "w", buffering=1, encoding="utf-8") as terminal:
         saved = [os.dup(1), os.dup(2)]
         with log.open("wb", buffering=0) as file:
             _redirect((file.fileno(), file.fileno()))
-            # Without a buffer: what a full disk does not take would follow on the terminal.
+            # Unbuffered: otherwise output that a full disk rejects would end up on the terminal.
             stream = io.TextIOWrapper(file, "utf-8", "replace", write_through=True)
             logging.basicConfig(level=logging.WARNING, stream=stream)
             try:
@@ -106,7 +106,7 @@ def publish_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def publish(arguments: argparse.Namespace) -> None:
-    """Copy each file in one step, so that a target is the old file or the new one."""
+    """Copy each file atomically, so that a target is the old file or the new one."""
     manifest = parse_manifest(arguments.manifest)
     result = manifest.result
     folder = Store(arguments.artefacts).object_folder(result.object)

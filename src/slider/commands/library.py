@@ -1,4 +1,4 @@
-"""``slider library``: what is in the gait library."""
+"""``slider library``: overview of the gait library."""
 
 import argparse
 from pathlib import Path
@@ -27,7 +27,7 @@ def library_path(arguments: argparse.Namespace) -> Path:
     """Path of the selected library.
 
     Raises:
-        UserError: there is none yet.
+        UserError: there is no library yet.
     """
     if arguments.library is not None:
         return arguments.library
@@ -35,10 +35,10 @@ def library_path(arguments: argparse.Namespace) -> Path:
 
 
 def current_gaits(artefacts: Path) -> tuple[Path, Path]:
-    """Folders of the current library and its foot placement, which ``hzd`` walks by.
+    """Folders of the current gait library and its foot placement, for the controller ``hzd``.
 
     Raises:
-        UserError: there are none yet.
+        UserError: they have not been computed yet.
     """
     store, target = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
     library, placement = (current_folder(store, s, target) for s in ("library", "foot_placement"))

@@ -1,4 +1,4 @@
-"""``slider why`` and ``slider diff``: what a target computes, and how two plans differ."""
+"""``slider why`` and ``slider diff``: what a target must compute, and how two plans differ."""
 
 import argparse
 from collections import Counter
@@ -20,7 +20,7 @@ def why_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def why(arguments: argparse.Namespace) -> None:
-    """Print the jobs of the latest plan that lead to a target and have no result, by reason."""
+    """Print the jobs of the latest plan that a target needs and that lack a result, by reason."""
     store = Store(arguments.artefacts)
     plan = current_plan(store)
     if plan is None:
@@ -42,7 +42,7 @@ def diff_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def diff(arguments: argparse.Namespace) -> int:
-    """Print the causes of the difference of a target in two plans; status 1 where there is one."""
+    """Print why a target differs between two plans; status 1 if it does."""
     sides = arguments.old, arguments.new
     old_store, new_store = (_store(side, arguments.artefacts) for side in sides)
     old, new = _plan(sides[0], old_store), _plan(sides[1], new_store)

@@ -76,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Watch it; with ``--headless`` and ``--film`` status 1 if the robot fell."""
+    """Show the scene; with ``--headless`` or ``--film``, status 1 if the robot fell."""
     check(arguments)
     renderer = os.environ.setdefault("MUJOCO_GL", "egl") if arguments.film else None
     try:
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from slider.play import loop
 
-    # Write no MUJOCO_LOG.TXT into the working directory: a fall is shown, not logged.
+    # Keep MuJoCo from writing MUJOCO_LOG.TXT into the working directory.
     mujoco.set_mju_user_warning(lambda _: None)  # pyright: ignore[reportAttributeAccessIssue]
     if arguments.tiles:
         from slider.play import animation
@@ -123,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuse impossible numbers."""
+    """Reject invalid arguments."""
     count, seconds = len(arguments.gait or (0, 0)), arguments.seconds
     require(count in (2, 3), "--gait", "VX VY [YAW_RATE]", f"{count} values")
     require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)
@@ -137,7 +137,7 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     """Build the scene that the arguments select.
 
     Raises:
-        UserError: there is no such agent, policy or library, or they contradict each other.
+        UserError: agent, policy or library do not exist, or are inconsistent.
     """
     from slider.commands.library import current_gaits, library_path
     from slider.composition.compose import compose

@@ -1,4 +1,4 @@
-"""``slider policy``: what is in a policy file, and how to take it elsewhere."""
+"""``slider policy``: show the contents of a policy file, or export it."""
 
 import argparse
 import json

@@ -1,9 +1,9 @@
 """``slider results``: fill the tables of README.md and docs/ from a finished run.
 
 A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NAME is in ``BLOCKS``,
-or any Markdown report of ``reports/``, of which headings and tables are taken. The end mark of a
-filled table has each target and the digests of the plan that made it (``JobSpec.plan_digests``).
-A table that today's plan would not make says so.
+or a Markdown report of ``reports/``, whose headings and tables are copied. The end mark of a
+filled table lists its targets with the digests of their plan (``JobSpec.plan_digests``). A table
+whose plan differs from the current one is marked as outdated.
 """
 
 import argparse
@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Fill each table whose report is there and mark those of another plan; or list the latter.
+    """Fill each table whose report exists and mark outdated tables; with ``--check`` list those.
 
     Missing reports are listed on stderr.
     """
@@ -82,15 +82,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def changed_since(block: str) -> str:
-    """Which part of a table's plan has changed since; empty where nothing, or never filled."""
+    """Which part of a table's plan has changed since; empty if none, or if it was never filled."""
     origin = _ORIGIN.search(block)
     if origin is None:
         return ""
     made = _DIGESTS.findall(block.splitlines()[-1])
     if not made:
-        return "settings may have changed"  # its plan is not known
+        return "settings may have changed"  # its plan is unknown
     plan = _todays_digests(*shlex.split(origin[2]))
-    if not plan:  # such as without an extra
+    if not plan:  # for example, an extra is not installed
         return (origin[3] or "").removeprefix(" Since then ").removesuffix(".")
     for place, part in enumerate(("settings", "source"), 1):
         if not all(plan.get(m[0], {}).get(part, "").startswith(m[place]) for m in made):
@@ -100,9 +100,9 @@ def changed_since(block: str) -> str:
 
 @cache
 def _todays_digests(*command: str) -> dict[str, dict[str, str]]:
-    """Plan digests by target, as a dry run of a ``snakemake`` command lays them out here.
+    """Plan digests by target, from a dry run of a ``snakemake`` command on this checkout.
 
-    None where it cannot, which is said on stderr.
+    Empty if the dry run fails, which is reported on stderr.
     """
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "docs").symlink_to(Path("docs").absolute())  # some robots are examples
@@ -141,14 +141,14 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
 
 
 def _newest(report: Path, store: Store) -> list[Manifest]:
-    """The job that made a report last, if the store has one."""
+    """Manifest of the latest job that produced a report, if the store has one."""
     jobs = store.mentioning(files.digest_file(report))
     jobs.sort(key=lambda job: str(store.metadata(job.stage, job.recipe).get("ended", "")))
     return jobs[-1:]
 
 
 def _digests(recipe: str, store: Store) -> str:
-    """Target and digests of the plan with a recipe, as an end mark has them; empty without one."""
+    """Target and plan digests of a recipe, as text of an end mark; empty if no plan has it."""
     for plan in recent_plans(store):
         for target, other in plan.targets.items():
             if other == recipe:
@@ -175,19 +175,19 @@ def picture(report: Path) -> str:
 
 
 def learning(report: Path) -> str:
-    """How the policy, HZD and MPC walk: quantities and controllers down, speeds across."""
+    """Gait quality of policy, HZD and MPC: rows are quantities and controllers, columns speeds."""
     frame = read(report)
     frame = frame[frame["controller"].isin(_LEARNING)]
     return across("", "command [m/s]", "speed", _WALKING, frame, ["label"], speed_text).markdown
 
 
 def summary(report: Path) -> str:
-    """Error in Table 1; who survives and who tracks where that is not every robot."""
+    """Errors of Table 1, with the rates of survival and tracking where they are below 100 %."""
     return _errors(_summarised(report)).markdown
 
 
 def overview(report: Path) -> str:
-    """As the summary, with median and range of the policy over trainings of several seeds."""
+    """The summary, with median and range of the policy over trainings with several seeds."""
     frame, runs = _summarised(report), read(report.with_name("seeds_runs.csv"))
     speeds, mine = runs.groupby("speed"), frame["controller"] == "policy"
     values = speeds[[*_RATES]].min().assign(**{_ERROR: speeds[_ERROR].median()})
@@ -202,13 +202,13 @@ def overview(report: Path) -> str:
 def _summarised(report: Path) -> pd.DataFrame:
     frame = read(report)
     frame = frame[frame["controller"].isin(_SUMMARY)].astype(dict.fromkeys(_RATES, float))
-    printed = frame["source"] == PAPER  # one error, without the warm-up or with it
+    printed = frame["source"] == PAPER  # the paper has one MSE, with or without warm-up
     frame[_ERROR] = frame[_ERROR].mask(printed, frame["mse"])
     return frame.sort_values("controller", key=lambda c: c.map(_SUMMARY.index), kind="stable")
 
 
 def _errors(frame: pd.DataFrame) -> Table:
-    """Errors and rates; bold is the least error with the true state, where hardly any falls."""
+    """Errors and rates; the least error with the true state is bold, among the best survivors."""
     rivals = frame[(frame["source"] != PAPER) & ~frame["controller"].str.endswith(ONBOARD)]
     most = rivals.groupby("speed")["success_rate"].transform("max")
     rivals = rivals[rivals["success_rate"] >= most - _COMPARABLE]
@@ -226,7 +226,7 @@ def _errors(frame: pd.DataFrame) -> Table:
 
 
 def trainings(report: Path) -> str:
-    """How far the mean over trainings of several seeds is from the tuned MPC."""
+    """Difference between the mean over trainings with several seeds and the tuned MPC."""
     runs = read(report.with_name("seeds_runs.csv"))
     mpc = read(report.with_name("table1.csv")).query("controller == 'mpc_wbc_tuned'")
     rows, mpc, speeds = [], mpc.set_index("speed"), runs.groupby("speed")
@@ -238,7 +238,7 @@ def trainings(report: Path) -> str:
 
 
 def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
-    """Bootstrap interval of a mean, 95 %, or that it holds zero."""
+    """95 % bootstrap confidence interval of a mean; "no difference" if it contains zero."""
     values = differences.to_numpy(float)
     low, high = values[0], values[0]
     if np.ptp(values) > 0:
@@ -251,7 +251,7 @@ def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
 
 
 def robots(report: Path) -> str:
-    """A row per robot: its overrides, and of each controller who survives and who tracks."""
+    """A row per robot: its overrides, and the survival and tracking rates of each controller."""
     frame = read(report).fillna({"changes": ""})
     rates = frame.set_index(["metric", "variant"])["mean"].mul(100).map("{:.0f}".format)
     labels = frame.drop_duplicates("variant").set_index("variant")[["label", "changes"]]
@@ -320,4 +320,4 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str] | None, *tuple[str, ...]]] = 
     "learning": ("gait_quality.csv", learning),
     **{n: (f"{n}.md", partial(markdown_tables, count=count)) for n, count in _COUNTS.items()},
 }
-"""Name of the block → report, what makes the block of it, further reports that it is of."""
+"""Name of the block → report, function that converts it, further reports that it reads."""

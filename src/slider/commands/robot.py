@@ -1,4 +1,4 @@
-"""``slider robot``: what a robot's file gives, as numbers and as a picture."""
+"""``slider robot``: the parameters that result from a robot file, as text and as a drawing."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -22,7 +22,7 @@ from slider.robot.model_file import APART, ModelFile
 from slider.robot.model_motors import GUESS
 from slider.robot.transmission import Transmission
 
-_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], of a foot's length
+_SEEN, _LEVEL, _BEHIND = 1e-3, 0.02, 0.1  # [m], [rad], share of a foot's length
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -92,7 +92,7 @@ def _lines(
 
 
 def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> Iterator[str]:
-    """What the model file gives, and which values the robot's file leaves to another."""
+    """Lines about the model file, and the values that the robot file inherits."""
     if model is not None:
         difference, part = model.differs
         yield f"left and right differ by {difference:.1%} ({part})"
@@ -121,7 +121,7 @@ def _origins(robot: RobotConfig, model: ModelFile | None, given: set[str]) -> It
 
 
 def _foot(geometry: Geometry, foot: dict[str, float]) -> Iterator[str]:
-    """The sole of the model, and where the line is elsewhere."""
+    """Lines about the model's sole, and where the configured foot differs from it."""
     if not foot:
         return
     places = ", ".join(f"{name} {value:.3f}" for name, value in foot.items())
@@ -138,7 +138,7 @@ def _foot(geometry: Geometry, foot: dict[str, float]) -> Iterator[str]:
 def _remarks(
     robot: RobotConfig, data: mujoco.MjData, shares: np.ndarray, model: ModelFile | None
 ) -> Iterator[str]:
-    """Values that are accepted and probably wrong."""
+    """Lines about values that are valid but probably wrong."""
     geometry = robot.geometry
     if robot.links.tube.com[2] < -geometry.leg_length - geometry.ankle_height:
         yield "remark: the tube's centre of mass is below the sole"
@@ -162,7 +162,7 @@ def _remarks(
 
 
 def _standing_efforts(robot: RobotConfig) -> np.ndarray:
-    """Joint efforts (10,) that hold the nominal pose on the left foot, which does not turn."""
+    """Joint efforts (10,) that hold the nominal pose on the left foot, which does not rotate."""
     from slider.gait.rooted import NUM, RootedRobot
 
     still = np.zeros(NUM)
@@ -170,7 +170,7 @@ def _standing_efforts(robot: RobotConfig) -> np.ndarray:
 
 
 def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[Any]) -> None:
-    """The nominal pose from the right and the front, axes of the left leg, feet of the model."""
+    """Draw the nominal pose from right and front, with the left leg's axes and the model's feet."""
     from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
 
     marked = (*robot.geometry.axes.order, "ankle")

@@ -1,4 +1,4 @@
-"""``slider runs``: MLflow's pages, opened on the runs of the latest pipeline."""
+"""``slider runs``: serve MLflow's user interface, at the runs of the latest pipeline."""
 
 import argparse
 import os
@@ -10,7 +10,7 @@ from slider.core.errors import UserError
 from slider.tracking import DATABASE, LATEST
 
 HOST = "127.0.0.1"
-# Without workers for jobs that nothing here uses: each is one more import of MLflow.
+# Disable job workers, which are not used here: each would import MLflow once more.
 _SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
 
 
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Say which address shows the runs, and become MLflow's server."""
+    """Print the address of the runs and replace this process by MLflow's server."""
     database, latest = ((arguments.artefacts / name).resolve() for name in (DATABASE, LATEST))
     if not (database.is_file() and latest.is_file()):
         expected = f"expected runs in {database}, found none"
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def check_port(port: int, host: str) -> None:
-    """Refuse a port that does not exist or is taken, and a host that is not this machine."""
+    """Reject a port that is invalid or in use, and a host that is not this machine."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         socket.create_server((host, port), family=family).close()

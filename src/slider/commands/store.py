@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run one action; ``verify``, ``push`` and ``pull`` end with status 1 if they found damage."""
+    """Run one action; ``verify``, ``push`` and ``pull`` return status 1 if they found damage."""
     if not arguments.artefacts.is_dir():
         raise UserError(f"expected the artefact store, found none at {arguments.artefacts}")
     store, action = Store(arguments.artefacts), arguments.action
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         lines = verify(store)
         print("\n".join([*lines, f"dropped {len(lines)} manifests"]))
         return int(bool(lines))
-    elif action == "times":  # what new clones predict with: src/slider/artefacts/times.csv
+    elif action == "times":  # the content of src/slider/artefacts/times.csv
         print("kind,rate,jobs,cpu_s")
         stages = sorted({path.parent.name for path in store.manifests()})
         jobs = computed(store, stages)

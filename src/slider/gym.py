@@ -1,4 +1,4 @@
-"""The training environment for learning libraries that use Gymnasium (extra ``gymnasium``).
+"""The training environment with Gymnasium's interface (extra ``gymnasium``).
 
 ``gymnasium.make("slider.gym:slider/Walking-v0")`` is one robot,
 ``gymnasium.make_vec("slider.gym:slider/Walking-v0", num_envs=64)`` many in one simulation.
@@ -25,25 +25,25 @@ from slider.library.reader import MAKE_LIBRARY, STORE
 
 
 class WalkingVectorEnv(VectorEnv):
-    """Walking training of a configuration, N robots on commanded velocities.
+    """Environment of the walking training: N robots that track commanded velocities.
 
     Observations (N, size), actions (N, 12) and rewards (N,) are those of the training with
-    rsl_rl. A fall terminates an episode, its length truncates it. The robot starts again in the
-    same step; ``info["final_obs"]`` has what it observed last.
+    rsl_rl. A fall terminates an episode, its maximum length truncates it. The robot is reset in
+    the same step; ``info["final_obs"]`` has the last observation of the episode.
 
     Args:
-        num_envs: N.
-        overrides: of the configuration, such as ``env/observation=...`` or ``experiment=robust``.
+        num_envs: number of robots N.
+        overrides: Hydra overrides, such as ``env/observation=...`` or ``experiment=robust``.
         conf: folder of the configuration.
-        artefacts: store with the gait library, where the training needs one.
-        library: path of a gait library in place of that of the store.
-        threads: processor cores of the simulation.
+        artefacts: store with the gait library, if the training needs one.
+        library: path of a gait library to use instead of that of the store.
+        threads: number of threads of the simulation.
 
     Attributes:
-        task: the training.
+        task: the training task.
 
     Raises:
-        UserError: the configuration is wrong, or there is no gait library yet.
+        UserError: the configuration is invalid, or there is no gait library yet.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -79,7 +79,7 @@ class WalkingVectorEnv(VectorEnv):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start all robots; with a seed, with all random numbers of it."""
+        """Reset all robots; a seed restarts all random number generators."""
         super().reset(seed=seed)
         if seed is None:
             self._env.restart()
@@ -90,7 +90,7 @@ class WalkingVectorEnv(VectorEnv):
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One control period."""
+        """Advance by one control period."""
         _, reward, _, extras = self._env.step(torch.as_tensor(np.asarray(actions)))
         truncated = extras["time_outs"].bool().numpy()
         terminated = self._env.fell.numpy()
@@ -111,7 +111,7 @@ class WalkingVectorEnv(VectorEnv):
 
 
 class _Observed(WalkingEnv):
-    """Keeps who fell in a step, and the observations before robots started again."""
+    """Keeps which robots fell in a step, and the observations before the reset."""
 
     def _end_episodes(self, fell: torch.Tensor, state: Any) -> torch.Tensor:
         self.fell, self.last = fell, self.agent.observe(self._measured)
@@ -119,7 +119,7 @@ class _Observed(WalkingEnv):
 
 
 class WalkingGymEnv(gymnasium.Env):
-    """One robot of :class:`WalkingVectorEnv`, whose arguments it takes but ``num_envs``."""
+    """One robot of :class:`WalkingVectorEnv`, with its arguments except ``num_envs``."""
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
@@ -131,13 +131,13 @@ class WalkingGymEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start the robot."""
+        """Reset the robot."""
         super().reset(seed=seed)
         observations, info = self._many.reset(seed=seed)
         return observations[0], info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """One control period; after the end of an episode comes ``reset``."""
+        """Advance by one control period; call ``reset`` after the end of an episode."""
         observations, reward, fell, late, info = self._many.step(np.asarray(action)[None])
         last = info["final_obs"][0] if fell[0] or late[0] else observations[0]
         return last, float(reward[0]), bool(fell[0]), bool(late[0]), {"log": info["log"]}

@@ -1,9 +1,9 @@
-"""Runs in MLflow, which a thread of the pipeline's own process writes while the jobs run.
+"""Runs in MLflow, written by a thread of the pipeline's process while the jobs run.
 
-What a job leaves behind is known at its end: section, manifest, run metadata. Of a running job only
-the metrics are read, from a file that it appends to. So no job imports MLflow (1.8 s) or opens its
-database, where several writers at once lose runs. A pipeline holds a lock under the name of its run
-in MLflow; the next one closes the runs whose lock is free, as their pipeline was killed.
+Section, manifest and run metadata of a job are logged at its end. While a job runs, only its
+metrics are read, from a file that it appends to. So no job imports MLflow (1.8 s) or opens its
+database, where concurrent writers lose runs. A pipeline holds a lock named after its MLflow run;
+the next pipeline closes runs whose lock is free, since their pipeline was killed.
 """
 
 import json
@@ -28,18 +28,18 @@ from slider.core.files import flatten, plain
 DATABASE = "mlflow.db"  # below artefacts/
 LATEST = "current/runs"  # part of the address of the latest pipeline's runs
 FINISHED, FAILED = "FINISHED", "FAILED"
-_MANY = "gait"  # stage without runs: hundreds would bury the others
+_MANY = "gait"  # stage without runs: there would be hundreds
 _SHOWN = (".csv", ".svg", ".html", ".pt", ".onnx", ".xml", ".json")  # files of a result
-_PERIOD, _PATIENCE = 1.0, 60.0  # between two looks at running jobs, and for the end [s]
+_PERIOD, _PATIENCE = 1.0, 60.0  # polling period of running jobs, timeout at the end [s]
 ARTIFACT_ROOT = "_MLFLOW_SERVER_ARTIFACT_ROOT"  # private; see tests/test_private.py
 _MAX_PARAM = 5000  # characters of a parameter's value
 _PARENT = "mlflow.parentRunId"
-_KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
+_KIND = ("mlflow.experimentKind", "custom_model_development")  # the default is language models
 
 
 @dataclass
 class _Run:
-    """Run of a job: when it began [ms], its id in MLflow, how much of which file is there."""
+    """Run of a job: start time [ms], id in MLflow, and number of bytes read of a metrics file."""
 
     job: JobSpec
     began: int
@@ -49,7 +49,7 @@ class _Run:
 
 
 class Tracking:
-    """Brings a pipeline run and its jobs to MLflow. Never raises: ``error`` is what came first.
+    """Writes a pipeline run and its jobs to MLflow. Never raises: ``error`` is the first error.
 
     All runs have the ``common`` tags, such as the commit.
     """
@@ -74,13 +74,13 @@ class Tracking:
         self._thread.start()
 
     def began(self, recipe: str) -> None:
-        """A job is about to start."""
+        """Note that a job is about to start."""
         job = self._plan.jobs[recipe]
         if job.tracked and job.stage != _MANY:
             self._runs[recipe] = _Run(job, _now())
 
     def ended(self, recipe: str, succeeded: bool = True) -> None:
-        """A job succeeded or failed; one that reused a result has no run."""
+        """Note that a job succeeded or failed; a job that reused a result has no run."""
         if run := self._runs.pop(recipe, None):
             status, now = FINISHED if succeeded else FAILED, _now()
             self._actions.put(lambda: self._end(run, status, now))
@@ -97,7 +97,7 @@ class Tracking:
             self.error = TimeoutError(f"MLflow took longer than {_PATIENCE:g} s")
 
     def _work(self, *pipeline: Any) -> None:
-        """Do what the pipeline asks for, and in between look at the metrics of running jobs."""
+        """Process the queue of actions, and poll the metrics of running jobs in between."""
         with ExitStack() as held:
             if not self._try(lambda: self._start(held, *pipeline)):
                 return
@@ -121,14 +121,14 @@ class Tracking:
     def _start(
         self, held: ExitStack, name: str, params: Mapping, tags: Mapping, began: int
     ) -> None:
-        """Connect, close the runs of killed pipelines, open that of this one and hold its lock."""
+        """Connect, close runs of killed pipelines, create the run of this one and hold its lock."""
         with exclusive(self._store.locks, "tracking"):
             self._client = _connect(self._store)
             self._place = _experiment(self._client, self._experiment)
             _close_killed(self._client, self._store)
             self._id = self._create(name, began, tags, params)
             held.enter_context(exclusive(self._store.locks, self._id))
-            # Without a type MLflow shows another page.
+            # Without the workflow type, MLflow shows another page.
             latest = f"/experiments/{self._place}/runs?workflowType=machine_learning"
             files.write_atomic(self._store.root / LATEST, latest)
 
@@ -143,7 +143,7 @@ class Tracking:
         return run.info.run_id
 
     def _open(self, run: _Run) -> str:
-        """Id of the run of a job, which is created if it is not there yet."""
+        """Id of the run of a job, which is created if it does not exist yet."""
         if not run.id:
             job = run.job
             tags = {_PARENT: self._id, "stage": job.stage, "recipe": job.recipe}
@@ -151,7 +151,7 @@ class Tracking:
         return run.id
 
     def _log_new_metrics(self, run: _Run) -> None:
-        """Write what a job has appended to its metrics since."""
+        """Write the metrics that a job has appended since the last call."""
         path = self._store.metrics_path(run.job.stage, run.job.recipe)
         if not path.is_file():
             return
@@ -160,7 +160,7 @@ class Tracking:
                 run.inode, run.read = inode, 0
             file.seek(run.read)
             content = file.read()
-        lines = content[: content.rfind(b"\n") + 1]  # whole ones
+        lines = content[: content.rfind(b"\n") + 1]  # complete lines
         run.read += len(lines)
         own = (event for event in map(json.loads, lines.splitlines()) if event["time"] >= run.began)
         if metrics := [one for event in own for one in _metrics(**event)]:
@@ -178,7 +178,7 @@ class Tracking:
         self._client.set_terminated(run.id, status, end_time=now)
 
     def _log_result(self, run: _Run, metadata: Mapping[str, Any], now: int) -> None:
-        """Write what a job led to: its numbers and files, and a table of its gaits."""
+        """Write the result of a job: its numbers and files, and a table of its gaits."""
         from mlflow.entities import RunTag
 
         job, store, client = run.job, self._store, self._client
@@ -199,13 +199,13 @@ class Tracking:
 
 def _connect(store: Store) -> Any:
     os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
-    # MLflow pastes the path of this folder into SQL; in an address a quote of it is %27.
+    # MLflow inserts the path of this folder into SQL; in a URI a quote is escaped as %27.
     os.environ[ARTIFACT_ROOT] = (store.root / "mlruns").resolve().as_uri()
     os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "WARNING")
     from mlflow import MlflowClient
 
     database = (store.root / DATABASE).resolve()
-    # MLflow tries a broken database again for almost two minutes: ask SQLite first.
+    # MLflow retries a broken database for almost two minutes: test it with SQLite first.
     with closing(sqlite3.connect(database)) as connection:
         connection.execute("PRAGMA schema_version")
     return MlflowClient(f"sqlite:///{database}")
@@ -220,7 +220,7 @@ def _experiment(client: Any, name: str) -> str:
 
 
 def _close_killed(client: Any, store: Store) -> None:
-    """End the runs of pipelines that hold no lock any more as failed."""
+    """Mark the runs of pipelines that no longer hold their lock as failed."""
     experiments = [experiment.experiment_id for experiment in client.search_experiments()]
     for run in client.search_runs(experiments, "attributes.status = 'RUNNING'"):
         tags, id = run.data.tags, run.info.run_id
@@ -238,7 +238,7 @@ def _metrics(time: int, step: int, values: Mapping[str, float]) -> list[Any]:
 
 
 def _table(store: Store, jobs: list[JobSpec]) -> dict[str, list[Any]]:
-    """Summaries of jobs and numbers of their computations, a column each."""
+    """Table of the summaries and numerical run metadata of jobs, by column."""
     rows = [
         store.read_manifest(job.stage, job.recipe).result.summary
         | _numbers(store.metadata(job.stage, job.recipe))

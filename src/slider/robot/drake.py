@@ -1,9 +1,9 @@
-"""Drake's model of a robot on flat ground, made from the numbers of its compiled MuJoCo model.
+"""Drake's model of a robot on flat ground, built from the data of its compiled MuJoCo model.
 
 Masses, axes, limits and drives are read from MuJoCo's arrays, not from the robot's configuration.
-Two things have another form. A foot touches the ground by two spheres, the ends of its capsule. The
-armature of a tendon over slide and ankle is the reflected inertia of each joint: that of two equal
-motors of a capstan has no coupling term.
+Two things are modelled differently. A foot touches the ground with two spheres, the ends of its
+capsule. The armature of a tendon over slide and ankle becomes a reflected inertia of each joint:
+the coupling terms of the two equal motors of a capstan cancel.
 """
 
 # mujoco has no type stubs for its compiled part; drake is optional.
@@ -38,7 +38,7 @@ from pydrake.systems.primitives import Adder, MatrixGain, Saturation
 from slider.config.evaluation import DrakeContact
 from slider.robot import names
 
-# Drake warns of half spaces and deformable bodies, of which there are none.
+# Drake warns about half spaces and deformable bodies; there are no deformable bodies here.
 logging.getLogger("drake").setLevel(logging.ERROR)
 _GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
 _SHAPES = {
@@ -55,8 +55,8 @@ class Motors(NamedTuple):
     Attributes:
         matrix: motor angles per joint position (10, 12).
         kp, kd: of the position loops (10,) [N m/rad], [N m s/rad]; zero for torque inputs.
-        stall, speed: torque [N m] and speed [rad/s] at which the torque-speed line ends (10,).
-        limit: of the torque (10,) [N m].
+        stall, speed: stall torque [N m] and no-load speed [rad/s] of the torque-speed line (10,).
+        limit: torque limits (10,) [N m].
     """
 
     matrix: np.ndarray
@@ -68,7 +68,7 @@ class Motors(NamedTuple):
 
     @classmethod
     def of(cls, model: mujoco.MjModel) -> "Motors":
-        """DC motors of resistance R, constant K, voltage V: stall torque K V / R, speed V / K."""
+        """Motors with resistance R, constant K, voltage V: stall torque K V / R, speed V / K."""
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         matrix = np.zeros((model.nu, model.nv))
@@ -80,9 +80,9 @@ class Motors(NamedTuple):
 
 
 def add_drives(builder: Any, plant: Any, motors: Motors) -> tuple[Any, Any]:
-    """Drive a robot by its motors, whose position loops are explicit: once per step of the plant.
+    """Add motors to a plant; their position loops are evaluated explicitly once per plant step.
 
-    A motor's torque is that of its input, bounded by the torque-speed line and by its limit.
+    A motor's torque follows its input, bounded by the torque-speed line and by its limit.
 
     Returns:
         Ports of the inputs (10,) [rad or N m] and of the torques (10,) [N m].
@@ -111,7 +111,7 @@ def add_drives(builder: Any, plant: Any, motors: Motors) -> tuple[Any, Any]:
 def add_robot(
     builder: Any, model: mujoco.MjModel, timestep: float, contact: DrakeContact
 ) -> "MultibodyPlant":
-    """Add robot and ground, stepped by ``timestep`` [s]."""
+    """Add robot and ground, with a time step of ``timestep`` [s]."""
     approximation = contact.approximation
     settings = MultibodyPlantConfig(
         time_step=timestep, discrete_contact_approximation=approximation
@@ -135,7 +135,7 @@ def _inertia(model: mujoco.MjModel, body: int) -> "tree.SpatialInertia":
 
 
 def _add_joint(plant: Any, model: mujoco.MjModel, parent: Any, child: Any, body: int) -> None:
-    """The only joint of a body; all but the root have an actuator, which brings the armature."""
+    """Add the joint of a body; joints other than the root get an actuator, with the armature."""
     joint = model.body_jntadr[body]
     name, frames = model.joint(joint).name, (parent.body_frame(), child.body_frame())
     if model.jnt_type[joint] == _JOINT.mjJNT_FREE:
@@ -164,7 +164,7 @@ def _add_joint(plant: Any, model: mujoco.MjModel, parent: Any, child: Any, body:
 def _add_geometry(
     plant: Any, scene: Any, model: mujoco.MjModel, bodies: list[Any], dissipation: float | None
 ) -> None:
-    """The parts that collide in MuJoCo with the ground or with each other; no others do."""
+    """Add the geometries that collide in MuJoCo, and allow the same collision pairs only."""
     feet, shapes, grounded = {names.foot(side) for side in names.SIDES}, {}, []
     for geom in range(model.ngeom):
         name, body = model.geom(geom).name, bodies[model.geom_bodyid[geom]]

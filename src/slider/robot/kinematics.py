@@ -1,4 +1,4 @@
-"""Forward kinematics of the legs, vectorised over robots. With a knee ``slide`` is its angle."""
+"""Forward kinematics of the legs, vectorised over robots. A knee's angle is named ``slide``."""
 
 import math
 from typing import NamedTuple
@@ -27,14 +27,14 @@ def rotation_from_quaternion(quaternion: Array) -> Array:
 
 
 def yaw_of(rotation: Array) -> Array:
-    """Yaws (N,) [rad] of rotations (N, 3, 3), body to world: where x points to on the ground."""
+    """Yaws (N,) [rad] of rotations (N, 3, 3), body to world: horizontal direction of the x axis."""
     return namespace(rotation).atan2(rotation[:, 1, 0], rotation[:, 0, 0])
 
 
 def turn_to_heading(vectors: Array, yaw: Array) -> Array:
     """Forward and leftward components (..., 2) of world vectors (..., ≥ 2) at yaws (...) [rad].
 
-    With −yaw it is the way back: world components of forward and leftward ones.
+    With −yaw it is the inverse: world components of forward and leftward components.
     """
     xp = namespace(vectors)
     x, y, cosine, sine = vectors[..., 0], vectors[..., 1], xp.cos(yaw), xp.sin(yaw)
@@ -52,28 +52,28 @@ def quaternion_from_tilt(roll: Array, pitch: Array) -> Array:
 def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Lowest points of heel and toe of both feet relative to the base origin, in world axes [m].
 
-    They are (N, 2, 2, 3): foot, end, coordinate; of rotations (N, 3, 3), base to world, and joint
+    Shape (N, 2, 2, 3): foot, end, coordinate; for rotations (N, 3, 3), base to world, and joint
     positions (N, 12).
     """
     ends = [_ends(geometry, _leg(geometry, rotation, joints, leg)) for leg in range(2)]
     return namespace(joints).stack(ends, axis=1)
 
 
-_LEAST_GROWTH = 0.04  # of a leg per angle of its knee, as a share of its length
-_STRAIGHTEST = 0.995  # length of a leg as a share of thigh and shank
-_ITERATIONS = 6  # of Newton's method
+_LEAST_GROWTH = 0.04  # minimum length change per knee angle, as a share of leg length [1/rad]
+_STRAIGHTEST = 0.995  # maximum length of a leg as a share of thigh + shank
+_ITERATIONS = 6  # iterations of Newton's method
 
 
 class FootMotion(NamedTuple):
-    """Ends of both feet of N robots as they move relative to the base origin, in world axes.
+    """Motion of the ends of both feet of N robots relative to the base origin, in world axes.
 
     Attributes:
         positions: lowest points of heel and toe (N, 2, 2, 3) [m].
-        velocities: of the foot's material at these points (N, 2, 2, 3) [m/s].
+        velocities: velocities of the foot's material points there (N, 2, 2, 3) [m/s].
         axes: unit vectors from ankle to hip (N, 2, 3).
-        turning: how fast these axes turn (N, 2) [rad/s].
-        excess: of the legs' lengths over the nominal one (N, 2) [m].
-        growing: its rate (N, 2) [m/s].
+        turning: angular speeds of these axes (N, 2) [rad/s].
+        excess: leg lengths minus the nominal leg length (N, 2) [m].
+        growing: rate of ``excess`` (N, 2) [m/s].
     """
 
     positions: Array
@@ -87,7 +87,7 @@ class FootMotion(NamedTuple):
 def foot_motion(
     geometry: Geometry, rotation: Array, turning: Array, joints: Array, rates: Array
 ) -> FootMotion:
-    """Velocities of the feet's ends while the base origin rests.
+    """Motion of the feet's ends relative to the base origin.
 
     ``turning`` (N, 3) is the angular velocity of the base [rad/s], world axes; joint positions and
     velocities are (N, 12), ``rotation`` as in :func:`foot_ends`.
@@ -99,7 +99,7 @@ def foot_motion(
         rate = rates[:, leg * LEG_SIZE :]
         links = _leg(geometry, rotation, joints, leg)
         tube, ankle, omega = links.tube, links.ankle, turning
-        place, velocity = zeros((2, count, 3), joints)  # of the base's origin
+        place, velocity = zeros((2, count, 3), joints)  # of the base origin
         hip = hip_velocity = place
         for index, name in enumerate(geometry.axes.order):
             following, axis = links.hip[name]
@@ -136,9 +136,9 @@ def foot_motion(
 
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
-    """Points (N, 2, 5, 3) of both legs relative to the base origin, as :func:`foot_ends` [m].
+    """Points (N, 2, 5, 3) of both legs relative to the base origin, in world axes [m].
 
-    Hip, ankle, top of the tube, back and front end of the upper foot; of a leg with a knee: hip,
+    Hip, ankle, top of the tube, rear and front end of the upper foot; for a leg with a knee: hip,
     ankle, knee, and ends of the thigh.
     """
     xp, points = namespace(joints), zeros((len(joints), 2, 5, 3), joints)
@@ -162,10 +162,10 @@ class _Leg(NamedTuple):
     """Joints of a leg relative to the base origin, in world axes; rotations of links to world.
 
     Attributes:
-        hip: place (N, 3) [m] and axis (N, 3) of each of its joints by name.
-        knee, ankle: places (N, 3) [m]; the knee of a leg that slides is on its pitch axis at zero.
-        above_ground: joint of the body on the ground (N, 3) [m]: the ankle, or its roll.
-        axes: of knee, or a vector that is none, and ankle (N, 3).
+        hip: position (N, 3) [m] and axis (N, 3) of each hip joint by name.
+        knee, ankle: positions (N, 3) [m]; for a sliding leg, the knee is on the pitch axis.
+        above_ground: position of the last joint above the ground (N, 3) [m]: ankle or its roll.
+        axes: of the knee (meaningless for a sliding leg) and of the ankle (N, 3).
         tube, foot: rotations (N, 3, 3).
     """
 
@@ -205,10 +205,10 @@ def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
 
 
 def leg_extension_jacobian(geometry: Geometry, joints: Array, leg: int) -> Array:
-    """Driven joints of a leg (N, 5) per its length [m] at joint positions (N, 12).
+    """Derivatives of a leg's driven joints (N, 5) by leg length [m] at joint positions (N, 12).
 
-    Along it the leg gets longer, its direction and that of the foot's line stay. A knee that is
-    almost straight, or beyond, counts as bent by some 10°: there no angle makes the leg longer.
+    The directions of the leg and of the foot's line are kept. A knee that is almost straight, or
+    overextended, is treated as bent by about 10°, since a straight knee cannot lengthen the leg.
     """
     if geometry.knee is None:
         return _slid(zeros(len(joints), joints) + 1.0)
@@ -217,10 +217,10 @@ def leg_extension_jacobian(geometry: Geometry, joints: Array, leg: int) -> Array
 
 
 def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Array:
-    """Change of a leg's driven joints (N, 5) that makes it ``longer`` (N,) [m].
+    """Change of a leg's driven joints (N, 5) that lengthens it by ``longer`` (N,) [m].
 
-    As :func:`leg_extension_jacobian`, exactly, at joint positions (N, 12). A leg with a knee gets
-    as long as it can.
+    The nonlinear counterpart of :func:`leg_extension_jacobian` at joint positions (N, 12). The
+    length of a leg with a knee is limited by thigh and shank.
     """
     if geometry.knee is None:
         return _slid(longer)
@@ -239,20 +239,20 @@ def extend_leg(geometry: Geometry, joints: Array, leg: int, longer: Array) -> Ar
 
 
 def _slid(longer: Array) -> Array:
-    """Driven joints of a leg (N, 5) of which the slide alone moves, by lengths (N,) [m]."""
+    """Change of a leg's driven joints (N, 5) where only the slide moves, by lengths (N,) [m]."""
     values = zeros((len(longer), LEG_GAIT_JOINTS), longer)
     values[:, EXTENSION] = longer
     return values
 
 
 class _Bent(NamedTuple):
-    """A leg with a knee of N robots, in the base's frame.
+    """A leg with a knee of N robots, in the base frame.
 
     Attributes:
-        ankle, line: place (N, 3) [m]; unit vector along the foot's line (N, 3).
+        ankle, line: position (N, 3) [m]; unit vector along the foot's line (N, 3).
         away, length: unit vector (N, 3) and distance (N, 1) [m] from hip to ankle.
-        across: directions across the leg, and two across the line (N, 2, 3).
-        moves, turns: of the ankle [m/rad] and the foot by each driven joint (N, 5, 3).
+        across: two directions each perpendicular to the leg and to the foot's line (N, 2, 3).
+        moves, turns: Jacobians of ankle position [m/rad] and foot rotation (N, 5, 3).
     """
 
     ankle: Array
@@ -265,7 +265,7 @@ class _Bent(NamedTuple):
 
     @classmethod
     def of(cls, geometry: Geometry, joints: Array, leg: int) -> "_Bent":
-        """At joint positions (N, 12)."""
+        """The leg at joint positions (N, 12)."""
         xp, cross = namespace(joints), namespace(joints).linalg.cross
         level = asarray(np.tile(np.eye(3), (len(joints), 1, 1)), joints)
         links = _leg(geometry, level, joints, leg)
@@ -281,7 +281,7 @@ class _Bent(NamedTuple):
         return cls(ankle, links.foot[:, :, 0], away, length, across, moves, turns)
 
     def towards(self, geometry: Geometry, place: Array, turn: Array) -> Array:
-        """Change of joints (N, 5) that moves the ankle by a place and turns the line (N, 3)."""
+        """Joint change (N, 5) that moves the ankle by ``place`` and turns the line by ``turn``."""
         xp, cross = namespace(place), namespace(place).linalg.cross
         ways, motions = self.across, (self.moves, self.turns)
         moves, turns = (
@@ -290,7 +290,7 @@ class _Bent(NamedTuple):
         moved, turned = (
             (way * to[:, None]).sum(-1) for way, to in zip(ways, (place, turn), strict=True)
         )
-        # The ankle's joint does not move the ankle; what it turns the line is eliminated.
+        # The ankle joint does not move the ankle; its rotation of the line is eliminated.
         share = turns[:, 1, ANKLE] / turns[:, 0, ANKLE]
         last = turns[:, 1] - share[:, None] * turns[:, 0]
         rows = xp.stack([moves[:, 0], moves[:, 1], last], axis=1)
@@ -334,7 +334,7 @@ def about_z(angle: Array) -> Array:
 
 
 def about_x(angle: Array) -> Array:
-    """As :func:`about_z`, about x."""
+    """Rotations (N, 3, 3) about x by angles (N,) [rad]."""
     return _rotation(angle, 1, 2)
 
 

@@ -2,7 +2,7 @@
 
 Hip pitch and ankle turn about +y, the knee about −y with flexion θ ≥ 0. ``exact`` is the geometry
 of the triangle hip-knee-ankle; ``paper`` is the matrix as printed, kept for comparison: its angles
-and velocities are off, and its velocities are not the derivatives of its positions.
+and velocities are inaccurate, and its velocities are not the derivatives of its positions.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ import numpy as np
 from slider.config.robot import Geometry, Mechanism
 from slider.robot.names import GAIT_JOINTS, LEG_GAIT_JOINTS, NUM_JOINTS, mirror_sign
 
-# The pitch is the last of the hip.
+# Pitch is the last hip joint of a robot with a virtual knee.
 _PITCH, _KNEE, _ANKLE = (np.s_[..., k::LEG_GAIT_JOINTS] for k in (2, 3, 4))
 _SAGITTAL = _PITCH, _ANKLE, _KNEE
 
@@ -23,13 +23,13 @@ Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class Triangle(NamedTuple):
-    """Hip, knee and ankle: the terms of eq. 1 and of its derivatives by the flexion θ.
+    """Triangle of hip, knee and ankle: terms of eq. 1 and their derivatives by the flexion θ.
 
     Attributes:
-        length: from hip to ankle [m].
-        shifts: angles of the thigh ahead of that line, of the shank behind it [rad].
-        rates: derivatives of both shifts and of the length.
-        curvatures: second derivatives of these; the paper states none, here 0.
+        length: distance from hip to ankle [m].
+        shifts: angles of the thigh ahead of that line and of the shank behind it [rad].
+        rates: first derivatives of both shifts and of the length.
+        curvatures: their second derivatives; the paper states none, so 0 for its variant.
     """
 
     length: np.ndarray
@@ -40,14 +40,14 @@ class Triangle(NamedTuple):
 
 def sides(theta: Any, l1: float, l2: float, xp: Any = np) -> tuple[Any, Any, Any]:
     """Shifts [rad] and length [m] of a ``Triangle``; ``xp``: numpy, or casadi for its symbols."""
-    # A sine for each: derivatives of a symbol that they share round differently.
+    # Separate sines: derivatives of a shared symbol would round differently.
     hip = xp.atan2(l2 * xp.sin(theta), l1 + l2 * xp.cos(theta))
     ankle = xp.atan2(l1 * xp.sin(theta), l2 + l1 * xp.cos(theta))
     return hip, ankle, xp.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * xp.cos(theta))
 
 
 def triangle(theta: np.ndarray, l1: float, l2: float, variant: str = "exact") -> Triangle:
-    """Terms at knee flexions θ [rad] of a thigh l1 and a shank l2 [m]."""
+    """Terms at knee flexions θ [rad] for a thigh l1 and a shank l2 [m]."""
     *shifts, length = sides(theta, l1, l2)
     sine, cosine = np.sin(theta), np.cos(theta)
     if variant == "paper":
@@ -81,10 +81,10 @@ class KneeLengths:
 def prismatic_joints(
     q: np.ndarray, v: np.ndarray, robot: Mechanism, variant: str = "exact"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and velocities (N, 12) of the prismatic robot of knee legs (N, 10): eq. 1.
+    """Positions and velocities (N, 12) of the prismatic robot for knee legs (N, 10): eq. 1.
 
-    Upper feet rest; ``slide`` is zero at the nominal leg length. Without a virtual knee q and v are
-    the leg's own.
+    Upper feet do not move; ``slide`` is zero at the nominal leg length. Without a virtual knee, q
+    and v are already those of the robot's own joints.
     """
     q, v, _ = prismatic_motion(q, v, 0.0 * v, KneeLengths.of(robot), variant)
     return all_joints(q), all_joints(v)
@@ -97,10 +97,10 @@ def prismatic_motion(
     lengths: KneeLengths | None,
     variant: str = "exact",
 ) -> Motion:
-    """Driven prismatic joints (..., 10) of knee legs, with first and second derivatives: eq. 1.
+    """Driven prismatic joints (..., 10) for knee legs, with first and second derivatives: eq. 1.
 
-    q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k; derivatives over time or over anything else. Without
-    ``lengths`` the joints are the leg's own.
+    q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k; derivatives by time or any other variable. Without
+    ``lengths``, the arguments are returned unchanged.
     """
     if lengths is None:
         return q, v, a
@@ -115,7 +115,7 @@ def prismatic_motion(
 
 
 def _moved(values: np.ndarray, rates: Sequence[np.ndarray], knee: np.ndarray) -> np.ndarray:
-    """Eq. 1, right: J v, of rates of the joints with those of the knee."""
+    """Right side of eq. 1: J v for joint ``values`` v, whose knee component is ``knee``."""
     hip, ankle, slide = rates
     moved = values.copy()
     moved[_PITCH], moved[_ANKLE] = values[_PITCH] - hip * knee, values[_ANKLE] - ankle * knee
@@ -124,14 +124,14 @@ def _moved(values: np.ndarray, rates: Sequence[np.ndarray], knee: np.ndarray) ->
 
 
 def all_joints(joints: np.ndarray) -> np.ndarray:
-    """Values of all joints (..., 12) from those of gaits (..., 10), with zeros for the last."""
+    """Values of all joints (..., 12) from those of gait joints (..., 10); 0 for each leg's last."""
     full = np.zeros((*joints.shape[:-1], NUM_JOINTS))
     full[..., list(GAIT_JOINTS)] = joints
     return full
 
 
 def reflected(joints: np.ndarray, geometry: Geometry) -> np.ndarray:
-    """Values (..., 10) of the knee legs in the sagittal mirror: swapped, yaw and roll flipped."""
+    """Gait joints (..., 10) mirrored at the sagittal plane: legs swapped, yaw and roll negated."""
     signs = np.array(mirror_sign(geometry))[:LEG_GAIT_JOINTS]
     first, second = joints[..., :LEG_GAIT_JOINTS], joints[..., LEG_GAIT_JOINTS:]
     return np.concatenate([signs * second, signs * first], axis=-1)

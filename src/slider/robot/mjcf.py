@@ -1,13 +1,13 @@
 """The prismatic MuJoCo model, generated from the robot parameters.
 
 Motors are MuJoCo's DC motors, bounded by their torque limit and by a linear torque-speed line. They
-sit on their joints; the two capstan motors of a leg sit on fixed tendons over slide and ankle, with
-the rotor's inertia as the tendon's, so that limits, speeds and inertia of the two joints couple by
-themselves. The input is a motor angle for the on-board PD loop, or a torque
+act on their joints; the two capstan motors of a leg act on fixed tendons over slide and ankle. The
+rotor inertia is the tendon's armature, so that limits, speeds and inertia of the two joints are
+coupled. The input is a motor angle for the onboard PD loop, or a torque
 (:class:`slider.robot.transmission.Transmission`).
 
-Legs are solid: feet, tubes and hips of one leg collide with those of the other, tubes with the
-base. Everything else collides with the ground alone.
+Feet, tubes and hips of one leg collide with those of the other, and tubes with the base. Everything
+else collides only with the ground.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -28,7 +28,7 @@ BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
 _FOOT = [0.75, 0.35, 0.15, 1]
-DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
+DISTANCE_CUTOFF = 0.3  # largest distance of the legs that sensors report [m]
 _SITE, _GEOM = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
 _KIND = mujoco.mjtSensor
 _MOTION = (("position", _KIND.mjSENS_FRAMEPOS), ("velocity", _KIND.mjSENS_FRAMELINVEL))
@@ -41,12 +41,12 @@ Actuation = Literal["position", "torque"]
 
 @dataclass(frozen=True)
 class SimulationOptions:
-    """Integration settings: step [s], solver and line-search iterations; input of the drives.
+    """Integration settings: time step [s], solver and line-search iterations; motor inputs.
 
-    ``actuation`` is ``position`` (input: motor angles [rad], PD on board) or ``torque`` (input:
+    ``actuation`` is ``position`` (input: motor angles [rad], onboard PD) or ``torque`` (input:
     motor torques [N m]); limits, inertia and damping are the same. ``instruments`` adds sensors
-    that only metrics read: of heels and toes, and of the distance of the legs. Without ``contact``
-    the feet's softness is MuJoCo's default.
+    for metrics: of heels and toes, and of the distance of the legs. Without ``contact``, the feet
+    have MuJoCo's default softness.
     """
 
     timestep: float = 0.005
@@ -58,7 +58,7 @@ class SimulationOptions:
 
     @classmethod
     def of(cls, physics: PhysicsConfig, **others: Any) -> "SimulationOptions":
-        """Those of a configuration, with ``actuation`` and ``instruments``."""
+        """Options from a configuration, with ``others`` such as ``actuation``."""
         settings = physics.timestep, physics.solver_iterations, physics.line_search_iterations
         return cls(*settings, contact=physics.contact, **others)
 
@@ -69,7 +69,7 @@ def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjMode
 
 
 def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
-    """Describe the robot, the ground and the sensors, not yet compiled."""
+    """Specification of the robot, the ground and the sensors, to be compiled."""
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False
@@ -77,7 +77,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.iterations = options.solver_iterations
     spec.option.ls_iterations = options.line_search_iterations
-    # Robots are one island: to look for others takes time, and the numbers are the same.
+    # A robot is a single island: searching for islands takes time and does not change results.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
     # MuJoCo 4.0.0 has wrong accelerations with its sparse factor (google-deepmind/mujoco#3767).
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
@@ -136,7 +136,7 @@ def _add_leg(
         size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
     )
-    # The collision tube ends above the ankle, so that the foot alone touches the ground.
+    # The collision tube ends above the ankle, so that only the foot touches the ground.
     rod = {"size": [geometry.tube_radius, 0, 0], "rgba": [0.12, 0.12, 0.13, 1]}
     top, end = [0.0, 0.0, geometry.upper_foot_height], [*ankle[:2], ankle[2] + 0.05]
     if geometry.knee is not None:
@@ -144,7 +144,7 @@ def _add_leg(
         hip = -geometry.axes.below_pitch * [1.0, sign, 1.0]
         last = bodies[geometry.axes.order[-1]]
         thigh = _add_geom(last, f"{side}_thigh", capsule, fromto=[*hip, *knee], **rod)
-        thigh.conaffinity = 0  # for films
+        thigh.conaffinity = 0  # only visual
     _add_geom(bodies["slide"], names.tube(side), capsule, fromto=[*top, *end], **rod)
     foot, upper = bodies["ankle"], bodies["slide"]
     if geometry.sole is not None:
@@ -166,13 +166,13 @@ def _add_leg(
         upper = _add_link(upper, robot, side, joint)
     height = geometry.ankle_height - geometry.foot_radius
     line = _add_geom(upper, f"{side}_upper_foot", capsule, **_foot_line(geometry, height))
-    if geometry.knee is not None or geometry.sole is not None:  # it has no upper foot
+    if geometry.knee is not None or geometry.sole is not None:  # there is no upper foot
         line.fromto, line.size = [0, 0, -0.001, 0, 0, 0.001], [0.001, 0, 0]
     line.conaffinity = 0  # far above the ground
 
 
 def _add_foot(body: mujoco.MjsBody, name: str, geometry: Geometry, height: float) -> mujoco.MjsGeom:
-    """Line or sole at a height of its middle above the joint [m]; a box touches at its corners."""
+    """Foot line, or sole (a box), with its centre at ``height`` above the joint [m]."""
     if geometry.sole is None:
         return _add_geom(body, name, mujoco.mjtGeom.mjGEOM_CAPSULE, **_foot_line(geometry, height))
     length, middle = geometry.toe + geometry.heel, (geometry.toe - geometry.heel) / 2
@@ -182,7 +182,7 @@ def _add_foot(body: mujoco.MjsBody, name: str, geometry: Geometry, height: float
 
 
 def _foot_line(geometry: Geometry, height: float) -> dict[str, list[float]]:
-    """Capsule along x at a height above its joint [m]."""
+    """Capsule along x at ``height`` above its joint [m]."""
     return {
         "size": [geometry.foot_radius, 0, 0],
         "fromto": [-geometry.heel, 0, height, geometry.toe, 0, height],
@@ -213,7 +213,7 @@ def _add_link(
 
 
 def _set_inertia(body: mujoco.MjsBody, link: Link, lateral: float = 1.0) -> None:
-    """Mass and inertia of a link; ``lateral`` is −1 on the right, where y is reflected."""
+    """Set mass and inertia of a link; ``lateral`` is −1 for the right side, which is mirrored."""
     (x, y, z), (xy, xz, yz) = link.com, link.products
     body.explicitinertial = True
     body.mass, body.ipos = link.mass, [x, lateral * y + 0.0, z]
@@ -269,7 +269,7 @@ def _add_sensors(spec: mujoco.MjSpec, geometry: Geometry) -> None:
 
 
 def _add_instruments(spec: mujoco.MjSpec, geometry: Geometry) -> None:
-    """Add sensors for metrics: heels and toes, turning feet, distances of legs."""
+    """Add sensors for metrics: heels and toes, rotation of feet, distances between the legs."""
     height = geometry.foot_radius - geometry.sole_height
     for side in names.SIDES:
         for end, x in zip(names.FOOT_ENDS, (-geometry.heel, geometry.toe), strict=True):
@@ -285,7 +285,7 @@ def _add_instruments(spec: mujoco.MjSpec, geometry: Geometry) -> None:
 
 
 def _add_contact(spec: mujoco.MjSpec, name: str, geom: str, content: tuple[int, int, int]) -> None:
-    """Add a sensor of the contact of a geom with the floor."""
+    """Add a sensor of the contact between a geom and the floor."""
     ends = {"objtype": _GEOM, "reftype": _GEOM, "refname": geom}
     _add_sensor(spec, name, _KIND.mjSENS_CONTACT, names.FLOOR, intprm=content, **ends)
 
@@ -293,5 +293,5 @@ def _add_contact(spec: mujoco.MjSpec, name: str, geom: str, content: tuple[int, 
 def _add_sensor(
     spec: mujoco.MjSpec, name: str, kind: mujoco.mjtSensor, target: str, **settings
 ) -> None:
-    """Add a sensor of an object, by default of a site."""
+    """Add a sensor attached to an object, by default to a site."""
     spec.add_sensor(name=name, type=kind, objname=target, **{"objtype": _SITE} | settings)

@@ -1,6 +1,6 @@
-"""A model file (MJCF or URDF) compiled by MuJoCo, without what an import does not need.
+"""Compile a model file (MJCF or URDF) with MuJoCo, without parts that an import does not need.
 
-Files may lack masses or meshes. Repairs and losses are reported.
+Files may lack masses or meshes. Repaired and dropped parts are reported.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -19,19 +19,19 @@ from slider.robot.model_tree import Roles
 
 
 def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[str, float]]:
-    """The model without sensors and meshes but those of feet; what it has lost; a URDF's speeds.
+    """Model without sensors and meshes (except of feet); remarks on losses; a URDF's speed limits.
 
     Raises:
         UserError: MuJoCo cannot read the file, or a mass or an inertia of a leg is missing.
     """
     require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
     warn, warnings = mujoco.get_mju_user_warning(), []
-    mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
+    mujoco.set_mju_user_warning(warnings.append)  # the default is a file in the working directory
     content = path.read_bytes()
     bare = re.sub(rb"(?s)<!--.*?-->", b"", content)
     expected = f"a URDF or MJCF: first run `xacro {path.name} > robot.urdf`"
     require(b"<xacro:" not in bare, "robot.model", expected, f"xacro in {path.name}")
-    first = re.search(rb"<(\w+)", bare)  # which tells MuJoCo, too
+    first = re.search(rb"<(\w+)", bare)  # by which MuJoCo recognises the format, too
     urdf = first is not None and first[1] == b"robot"
     try:
         spec = _read(path, content)
@@ -56,14 +56,14 @@ def compiled(path: Path, roles: Roles) -> tuple[mujoco.MjModel, list[str], dict[
 
 
 def _read(path: Path, content: bytes) -> mujoco.MjSpec:
-    """A specification of a file, whose name may have any ending."""
+    """Specification of a file, whose name may have any suffix."""
     if path.suffix in (".xml", ".urdf"):
         return mujoco.MjSpec.from_file(str(path))
     return mujoco.MjSpec.from_string(content.decode())
 
 
 def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> list[str]:
-    """Delete what needs further files, or names what is deleted; mend bodies that are held."""
+    """Delete parts that need other files or refer to deleted parts; repair masses, inertias."""
     geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
@@ -77,7 +77,7 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
         weightless = geom.mass == 0.0 or (np.isnan(geom.mass) and geom.density == 0.0)
         own = body.explicitinertial or body == spec.worldbody or weightless
         if not own and urdf and led.isdisjoint(joint.name for joint in body.joints):
-            bare[body.name] = geom.density = 0.0  # as the format says
+            bare[body.name] = geom.density = 0.0  # as the format specifies
             own = True
         weighs = own or not (shaped or urdf)
         require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
@@ -100,7 +100,7 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
     rest = [mesh for mesh in spec.meshes if mesh.name not in meshes]
     for part in [*parts, *rest, *spec.hfields, *spec.materials, *spec.textures]:
         spec.delete(part)
-    spec.compiler.fusestatic = False  # a URDF's root would be part of the world
+    spec.compiler.fusestatic = False  # otherwise the root of a URDF is merged into the world
     causes = {
         "no inertial element, so no mass": bare,
         "impossible inertia, so a point mass": broken,
@@ -109,7 +109,7 @@ def _strip(spec: mujoco.MjSpec, urdf: bool, roles: Roles, meshes: set[str]) -> l
 
 
 def _is_rigid(body: mujoco.MjsBody) -> bool:
-    """Whether a body's typed moments are possible."""
+    """Whether the moments of inertia that the file specifies for a body are physically possible."""
     moments, full = np.array(body.inertia), body.fullinertia
     if not body.explicitinertial:
         return True

@@ -1,6 +1,6 @@
 """Links, axes and joints of a robot from its model file (MJCF or URDF) and a table of roles.
 
-Frames are those of ``conf/robot``: parallel to the base's where joints are at zero.
+Frames are those of ``conf/robot``: parallel to the base frame when all joints are at zero.
 """
 
 from collections.abc import Mapping
@@ -28,25 +28,25 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_AHEAD, _LEVEL = 2e-3, 0.04  # of a foot that looks ahead [m]; of a sole [rad]
-APART = 5e-3  # of a foot's middle from its line, or from the axis of the roll [m]
+_AHEAD, _LEVEL = 2e-3, 0.04  # least forward offset of a foot [m]; largest tilt of a sole [rad]
+APART = 5e-3  # largest distance of a foot's middle from its line or its roll axis [m]
 
 
 @dataclass(frozen=True)
 class ModelFile:
-    """What a file and its roles give.
+    """Robot parameters from a model file and its roles.
 
     Attributes:
         values: ``geometry``, ``links`` and ``joints`` of ``conf/robot``.
-        held: joints without a role, with the mass that they carry [kg].
-        differs: largest difference of the legs, and what has it.
-        lateral: y of the base's centre, which counts as 0 [m].
-        foot_rotation: angle of the feet between the pose and the model's own zero [rad].
-        pose: what was solved of the pose, by joint.
-        remarks: what was ignored, rounded or assumed.
-        foot: place of the sole in the model, as :meth:`Foot.line` has it; none without geometry.
-        outlines: of the left foot, as :meth:`Foot.outlines` has them.
-        motors: what values of ``drives`` and ``gains`` come from, by dotted key.
+        held: fixed joints (without a role), with the mass that they carry [kg].
+        differs: largest relative difference between the legs, and its quantity.
+        lateral: y of the base's centre of mass, which is set to 0 [m].
+        foot_rotation: rotation of the feet between the pose and the model's zero pose [rad].
+        pose: joint positions of the pose that were solved, by joint.
+        remarks: texts about what was ignored, rounded or assumed.
+        foot: position of the sole, as returned by :meth:`Foot.line`; empty without geometry.
+        outlines: outlines of the left foot, as returned by :meth:`Foot.outlines`.
+        motors: source of each value of ``drives`` and ``gains``, by dotted key.
     """
 
     values: dict[str, Any]
@@ -66,10 +66,10 @@ def read_model(
 ) -> ModelFile:
     """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
 
-    ``typed`` are values of the robot's own file by dotted keys, which come before the model's.
+    ``typed`` are values of the robot file by dotted key, which take precedence over the model's.
 
     Raises:
-        UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
+        UserError: MuJoCo cannot read the file, or the file lacks what the roles refer to.
     """
     roles = from_dict(Roles, values, "robot.roles")
     model, told, speeds = compiled(path, roles)
@@ -96,7 +96,7 @@ def read_model(
     require(line > 0.0, "robot.roles.foot_y", "y > 0 of the left foot", f"{line:.3f} m")
     (base, offset), places = tree.base(), _origins(leg, tree.has_knee, line)
     if abs((places["ankle"] - places["hip_pitch"])[0]) > MAX_OFFSET:
-        places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose is another
+        places = _origins(leg, tree.has_knee, lateral)  # tilted axes: the pose differs
     below = SOLE_LINKS if tree.has_sole else LINKS
     bodies = {below[name]: (part.body, places[name]) for name, part in leg.items()}
     bodies["base"] = base, np.zeros(3)
@@ -128,14 +128,14 @@ def read_model(
 def _compare(
     left: Mapping[str, Part], right: Mapping[str, Part], tree: ModelTree, roles: Roles
 ) -> tuple[float, str]:
-    """Largest difference of the legs, and what has it; refused without a side to take."""
+    """Largest difference between the legs and its quantity; limited if ``roles.side`` is null."""
     differences, length = {}, tree.reach
     for name, part in left.items():
         other = right[name]
         link = (SOLE_LINKS if tree.has_sole else LINKS)[name]
         differences[f"{link} links"] = _difference(other.body, part.body, length)
         away = other.place - part.place
-        across = away - (away @ part.axis) * part.axis  # no matter where on the axis
+        across = away - (away @ part.axis) * part.axis  # the position along the axis is arbitrary
         apart = 0.0 if name == "slide" and not tree.has_knee else relative(across, length)
         differences[f"{name} axes"] = max(apart, relative(other.axis - part.axis, 1.0))
         common = [key for key in part.joint if key in other.joint]
@@ -152,7 +152,7 @@ def _compare(
 
 
 def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
-    """Refuse a left leg on the right; the foot, below ``last``, tells the probable cause."""
+    """Reject a left leg on the right; the foot, below joint ``last``, shows the probable cause."""
     heavy = last.body.mass > LEAST_MASS
     ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
     cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
@@ -166,7 +166,7 @@ def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
 def _geometry(
     leg: Mapping[str, Part], places: Mapping[str, np.ndarray], tree: ModelTree
 ) -> dict[str, Any]:
-    """Axes of the hip in the frames above, leg length, height of an upper foot."""
+    """Hip axes in their parent frames, leg length, knee, and height of an upper foot."""
     above, order = np.zeros(3), list(tree.order)
     if "hip_yaw" not in order:
         order.insert(order.index("hip_roll"), "hip_yaw")
@@ -198,7 +198,7 @@ def _geometry(
 def _sole(
     places: Mapping[str, np.ndarray], foot: Mapping[str, float], typed: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Height of the roll's axis and width; what the robot's file types comes first."""
+    """Height of the roll axis and width; values of the robot file take precedence."""
     keys = {"geometry.ankle_height": "ankle_height", "geometry.sole.width": "width"}
     found = {key: foot[name] for key, name in keys.items() if name in foot} | dict(typed)
     for key in keys:
@@ -209,12 +209,12 @@ def _sole(
 
 
 def _origins(leg: Mapping[str, Part], has_knee: bool, line: float) -> dict[str, np.ndarray]:
-    """Of the joints' frames; a slide's is the pitch's, and all from there have the foot line's y.
+    """Origins of joint frames; those of pitch, slide, ankle and upper foot have the foot line's y.
 
-    The yaw of a machine that lacks it is on the roll axis.
+    A slide has the origin of the pitch. A missing yaw joint is placed on the roll axis.
     """
     places = {"hip_yaw": leg["hip_roll"].place} | {name: part.place for name, part in leg.items()}
-    for name in ("hip_pitch", "slide", "ankle", "upper_foot"):  # no matter where on their axes
+    for name in ("hip_pitch", "slide", "ankle", "upper_foot"):  # positions along axes are arbitrary
         if part := leg.get("hip_pitch" if name == "slide" and not has_knee else name):
             places[name] = part.place + part.axis * (line - part.place[1]) / part.axis[1]
             places[name][1] = line
@@ -225,7 +225,7 @@ def _origins(leg: Mapping[str, Part], has_knee: bool, line: float) -> dict[str, 
 
 
 def _difference(link: Body, other: Body, length: float) -> float:
-    """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
+    """Largest relative difference of mass, inertia, and centre of mass (by ``length`` [m])."""
     if max(link.mass, other.mass) < LEAST_MASS:
         return 0.0
     scale = max(link.mass, other.mass), length, np.abs(link.inertia).max()
@@ -234,7 +234,7 @@ def _difference(link: Body, other: Body, length: float) -> float:
 
 
 def _values(link: Body, origin: np.ndarray) -> dict[str, Any]:
-    """As in ``conf/robot``, about ``origin`` (3,) [m]."""
+    """Values of a link of ``conf/robot``, relative to ``origin`` (3,) [m]."""
     moments, products = np.diag(link.inertia), link.inertia[[0, 0, 1], [1, 2, 2]]
     values = {"mass": link.mass, "com": link.com - origin, "inertia": moments}
     return {name: rounded(value) for name, value in (values | {"products": products}).items()}

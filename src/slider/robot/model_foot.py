@@ -1,4 +1,4 @@
-"""The geometry of a model's foot: the line that it gives, and its outline."""
+"""The geometry of a model's foot: the resulting foot line, and its outline."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -8,12 +8,12 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-_SLOPE = 0.05  # what rises by less belongs to the sole
-_CORNERS = 24  # of an outline
+_SLOPE = 0.05  # surfaces with a smaller slope belong to the sole
+_CORNERS = 24  # number of corners of an outline
 
 
 def prepare_feet(spec: mujoco.MjSpec, ankles: set[str], folder: Path) -> set[str]:
-    """Names of the meshes of the feet below ``ankles`` whose files are there, with found paths."""
+    """Set the paths of the meshes of the feet below ``ankles``; names of those with a file."""
     paired = {name for pair in spec.pairs for name in (pair.geomname1, pair.geomname2)}
     kept = set()
     for name in ankles:
@@ -32,7 +32,7 @@ def prepare_feet(spec: mujoco.MjSpec, ankles: set[str], folder: Path) -> set[str
 
 
 class Foot:
-    """The geoms of ``bodies`` that collide, or all of them where none does, in a turned frame."""
+    """The colliding geoms of ``bodies``, or all of them if none collides, in a rotated frame."""
 
     def __init__(
         self, data: mujoco.MjData, bodies: np.ndarray, origin: np.ndarray, turn: np.ndarray
@@ -48,14 +48,14 @@ class Foot:
         return self._geoms.size > 0
 
     def extent(self, *direction: float, round_on: np.ndarray | None = None) -> np.ndarray:
-        """The point (3,) [m] that lies farthest in a direction; of what is round, in another."""
+        """Farthest point (3,) [m] in a direction; rounded surfaces use that of ``round_on``."""
         unit = np.array(direction) / np.linalg.norm(direction)
         other = unit if round_on is None else round_on
         points = np.array([self._support(int(geom), unit, other) for geom in self._geoms])
         return points[(points @ unit).argmax()]
 
     def tilt(self) -> float:
-        """Angle [rad] about y that makes the longest edge below level, to half a degree."""
+        """Angle [rad] about y that levels the longest lower edge, to half a degree."""
         angles = np.deg2rad(np.arange(-45.25, 45.5, 0.5))
         points = np.array([self.extent(np.sin(t), 0.0, -np.cos(t)) for t in angles])
         longest = np.linalg.norm(np.diff(points[:, [0, 2]], axis=0), axis=1).argmax()
@@ -64,7 +64,7 @@ class Foot:
     def line(self, ankle: np.ndarray, lateral: float = 1.0) -> dict[str, float]:
         """y of the sole's middle and its width; height, toe and heel from the ankle (3,) [m].
 
-        ``lateral`` is 1 for a left foot, −1 for a right one, which is taken as a left one.
+        ``lateral`` is 1 for a left foot, −1 for a right one, which is mirrored.
         """
         along, across, down = np.diag([_SLOPE, _SLOPE, -1.0])
         front, rear, left, right = (
@@ -76,7 +76,7 @@ class Foot:
         return {"y": lateral * (left + right) / 2, "width": left - right, **ends}
 
     def outlines(self) -> list[list[list[float]]]:
-        """Convex outlines in x and z, and in y and z [m]."""
+        """Convex outlines in the x-z and y-z planes [m]."""
         turns = np.linspace(0.0, 2 * np.pi, _CORNERS)[:, None]
         ways = [np.cos(turns) * side + np.sin(turns) * np.eye(3)[2] for side in np.eye(3)[:2]]
         return [
@@ -85,7 +85,7 @@ class Foot:
         ]
 
     def _support(self, geom: int, direction: np.ndarray, round_on: np.ndarray) -> np.ndarray:
-        """The farthest point (3,) of a geom in a direction, of a round one in another."""
+        """Support point (3,) of a geom in a direction; rounded surfaces use ``round_on``."""
         model, kinds = self._model, mujoco.mjtGeom
         turn, size = self._turns[geom], model.geom_size[geom]
         own, kind = direction @ turn, model.geom_type[geom]

@@ -1,4 +1,4 @@
-"""Limits, gains and speeds of the motors that a model file has."""
+"""Limits, gains and speeds of the motors in a model file."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -11,13 +11,13 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-_BEND, _TIME = 0.5, 0.025  # of a position loop: rad at the limit, s from kp to kd
-_KNEE_AND_ANKLE = {"speed": 15.0, "stall_ratio": 2.0, "inertia": 0.0}  # SLIDER has none
+_BEND, _TIME = 0.5, 0.025  # position loop: error at the torque limit [rad]; kd / kp [s]
+_KNEE_AND_ANKLE = {"speed": 15.0, "stall_ratio": 2.0, "inertia": 0.0}  # no such motors in SLIDER
 GUESS = f"kp = torque / {_BEND} rad, kd = kp × {_TIME} s, 15 rad/s, ratio 2, no rotor"
 
 
 def urdf_speeds(content: bytes) -> dict[str, float]:
-    """Limits of velocity [rad/s, m/s] by joint, which MuJoCo does not read."""
+    """Velocity limits [rad/s, m/s] by joint of a URDF, which MuJoCo does not read."""
     text = re.sub(rb"(?s)<!DOCTYPE.*?>", b"", content)
     try:
         limits = {
@@ -33,9 +33,9 @@ def urdf_speeds(content: bytes) -> dict[str, float]:
 def motor_of(
     model: mujoco.MjModel, joint: int, speeds: Mapping[str, float]
 ) -> dict[str, tuple[float, str]]:
-    """What a model says of a joint's motor: torque, speed, inertia, kp, kd, each with its source.
+    """Torque, speed, inertia, kp and kd of a joint's motor in a model, each with its source.
 
-    Of several actuators gains add up, and the smallest limit counts.
+    The gains of several actuators are added; the smallest torque limit is used.
     """
     found = {}
     acts = [
@@ -79,7 +79,7 @@ def drives(
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """``drives`` and ``gains`` of ``conf/robot`` by motor, and the source of each by dotted key.
 
-    Gains that neither the model nor the robot's own file has are guessed where torques are known.
+    Gains that neither the model nor the robot file has are guessed if torque limits are known.
     """
     values: dict[str, Any] = {"drives": {}, "gains": {}}
     sources = {}

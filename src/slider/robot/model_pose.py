@@ -14,18 +14,18 @@ from scipy.spatial.transform import Rotation
 from slider.config.robot import HIP_JOINTS, LEAST_BEND, MAX_TURN
 from slider.core.errors import require
 
-MAX_OFFSET = 1e-3  # of an ankle from the line below the pitch axis [m]
-LEVEL = 0.02  # that a sole may be off [rad]
-_FAR = 0.2  # of a typed foot from the model's own zero, which is then not level [rad]
+MAX_OFFSET = 1e-3  # largest offset of an ankle from the line below the pitch axis [m]
+LEVEL = 0.02  # largest tilt of a level sole [rad]
+_FAR = 0.2  # rotation of a typed foot beyond which the model's zero does not count as level [rad]
 _CLOSE = 1e-5  # tolerance of a solved pose [rad], [m]
 _BEND = 0.5  # default bend of knees [rad]
 
 
 class LegPose:
-    """A leg of a compiled model, whose joints (by role) it moves; ``base`` is a body.
+    """A leg of a compiled model; moves its joints, which are given by role. ``base`` is a body id.
 
-    ``forward`` (3, 3) turns the base's axes into ours, ``line`` is the foot line's y in them [m],
-    by default that of the anchor of the ankle, or of its roll.
+    ``forward`` (3, 3) rotates the model's base axes to those of slider, ``line`` is the y of the
+    foot line in them [m], by default that of the last ankle joint's anchor.
     """
 
     def __init__(
@@ -46,22 +46,22 @@ class LegPose:
         self._level = self._foot(zero)
 
     def solve(self, typed: Sequence[str], bend: float | None) -> dict[str, float]:
-        """Angles by role that the data get in place of theirs; none where the pose is one already.
+        """Set and return joint angles by role that change; empty if the pose is already valid.
 
-        A ``typed`` yaw, roll or knee stays. The sole is level as in the model's own zero, or with a
-        typed ankle that turns it far from there as in the pose. ``bend`` is that of the knee from
-        the straight leg [rad]; null: the pose's, or 0.5 if it is straight.
+        A ``typed`` yaw, roll or knee is kept. The sole gets its orientation in the model's zero
+        pose, or, if a typed ankle rotates it far from there, that in the given pose. ``bend`` is
+        the knee flexion [rad]; None: that of the pose, or 0.5 if the leg is straight.
 
         Raises:
-            UserError: there is no such pose.
+            UserError: there is no valid pose.
         """
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
         across = ["hip_pitch", "ankle", *["slide"] * self._knee]
         if any(abs(self._seen(name)[1][1]) < np.cos(np.deg2rad(MAX_TURN)) for name in across):
-            return {}  # to be refused for its axis
+            return {}  # rejected later because of its axis
         bends = bend is not None
-        if self._knee and not bends:  # unless it is off the line from hip to ankle already
+        if self._knee and not bends:  # bend only a knee that is on the line from hip to ankle
             leg, shank = self._sides()
             off = np.linalg.norm(np.cross(leg, shank)) / (leg @ leg)
             bends = bool(off < LEAST_BEND)
@@ -93,38 +93,38 @@ class LegPose:
         return {name: value for name, value in now.items() if value != start[name]}
 
     def foot_rotation(self) -> float:
-        """Angle of the foot between the data's pose and the model's own zero [rad]."""
+        """Rotation angle of the foot between the current pose and the model's zero pose [rad]."""
         return float(Rotation.from_matrix(self._foot(self._data) @ self._level.T).magnitude())
 
     def _place(self, name: str) -> int:
         return self._model.jnt_qposadr[self._joints[name]]
 
     def _foot(self, data: Any) -> np.ndarray:
-        """Rotation (3, 3) of the foot in the base's frame."""
+        """Rotation (3, 3) of the foot in the base frame."""
         foot = self._model.jnt_bodyid[self._joints[self._last]]
         base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
         return self._forward @ base.T @ own
 
     def _seen(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Place (3,) from the base and axis (3,) of a joint."""
+        """Position (3,) relative to the base and axis (3,) of a joint."""
         data, index = self._data, self._joints[name]
         turn = self._forward @ data.xmat[self._base].reshape(3, 3).T
         place = data.xanchor[index] - data.xpos[self._base]
         return turn @ place, turn @ data.xaxis[index]
 
     def _on_line(self, name: str) -> np.ndarray:
-        """The point (3,) of a joint's axis with the foot line's y."""
+        """Point (3,) of a joint's axis that has the foot line's y."""
         place, axis = self._seen(name)
         line = self._seen(self._last)[0][1] if self._line is None else self._line
         return place + axis * (line - place[1]) / axis[1]
 
     def _sides(self) -> tuple[np.ndarray, np.ndarray]:
-        """From the pitch axis to the ankle (3,), at the foot line's y; likewise from the knee."""
+        """Vectors (3,) from pitch axis and knee to the ankle, at the foot line's y."""
         ankle = self._on_line("ankle")
         return ankle - self._on_line("hip_pitch"), ankle - self._on_line("slide")
 
     def _bend(self, angle: float) -> None:
-        """Bend the knee by an angle [rad] from the straight leg, in the sense of its range."""
+        """Bend the knee by an angle [rad] from the straight leg, towards its mid-range."""
         (leg, shank), axis = self._sides(), self._seen("slide")[1]
         thigh, shank = (part - (part @ axis) * axis for part in (leg - shank, shank))
         flexion = np.arctan2(np.cross(thigh, shank) @ axis, thigh @ shank)

@@ -1,6 +1,6 @@
-"""A robot's model file (MJCF or URDF) as MuJoCo compiles it, in the nominal pose of its roles.
+"""A robot's model file (MJCF or URDF), compiled by MuJoCo, in the nominal pose of its roles.
 
-Joints without a role are held, and their bodies are welded to the link above.
+Joints without a role are held fixed, and their bodies are welded to the parent link.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -31,13 +31,13 @@ from slider.robot.model_motors import motor_of
 from slider.robot.model_pose import LegPose
 
 _KNEE = "knee"
-LEAST_MASS = 1e-6  # what has less counts as massless [kg]
+LEAST_MASS = 1e-6  # bodies below this count as massless [kg]
 LOCKED = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
 OPTIONAL_JOINTS = {
     "hip_yaw": LOCKED | {"armature": 0.0},
     "upper_foot": LOCKED | {"armature": 0.001},
 }
-"""Joints that a machine may lack, and the narrow ones of light links that take their place."""
+"""Joints that a robot may lack, and the nearly locked joints of light links that replace them."""
 AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
     "hip_yaw": (0.0, 0.0, 1.0),
     "hip_roll": (1.0, 0.0, 0.0),
@@ -46,30 +46,30 @@ AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
-_MAX_TILT = 1e-3  # of a yaw or roll axis that counts as upright or level [rad]
-_MAX_SKEW = np.deg2rad(0.5)  # of other axes against the frame's [rad]
-_MAX_LATERAL = 5e-3  # of the base's centre from its plane of symmetry [m]
-_MAX_PRODUCTS = 0.05  # Ixy and Iyz of the base by its largest moment
+_MAX_TILT = 1e-3  # largest tilt of an axis that counts as parallel to a coordinate axis [rad]
+_MAX_SKEW = np.deg2rad(0.5)  # largest tilt of axes that must be parallel [rad]
+_MAX_LATERAL = 5e-3  # largest distance of the base's centre from its plane of symmetry [m]
+_MAX_PRODUCTS = 0.05  # largest Ixy and Iyz of the base, relative to its largest moment
 _TURNS = {"x": 0.0, "y": -np.pi / 2, "-x": np.pi, "-y": np.pi / 2}  # [rad] about z
 
 
 class Roles(t.Group):
-    """What the parts of a model file are for.
+    """Roles of the parts of a model file.
 
     Attributes:
-        base: name of a body.
-        joints: left and right joint of each role, null for a role that the machine lacks;
-            ``ankle_roll`` in the place of ``upper_foot`` where the foot has a sole.
-        pose: positions of joints that count as zero or are held there. What is not typed, or does
-            not fit, is solved: soles level as in the model's own zero, ankles below the hips.
-        bend: angle of the knees in the pose from straight legs [rad]; null: the typed one, the
-            model's own, or 0.5 where that is straight.
-        side: leg to take where the two differ.
-        forward: direction of the base's frame in which the robot walks.
-        foot_y: place of the left foot's line in the base's frame; by default the middle of the
-            foot's geometry, else the ankle's anchor; with a sole that of the ankle's roll.
-        tolerance: difference of left and right that is accepted; relative, of places by the
-            leg's length.
+        base: name of the base body.
+        joints: left and right joint of each role, null for a role that the robot lacks;
+            ``ankle_roll`` instead of ``upper_foot`` if the foot has a sole.
+        pose: joint positions that are taken as zero, or at which joints are held. Missing or
+            inconsistent values are solved: soles as level as in the model's zero pose, ankles
+            below the hips.
+        bend: knee flexion in the pose [rad]; null: the typed one, that of the model, or 0.5 if
+            the leg is straight there.
+        side: leg to use if the two differ.
+        forward: walking direction in the model's base frame.
+        foot_y: y of the left foot's line in the base frame; by default that of the middle of the
+            foot's geometry, else of the ankle's anchor; with a sole that of the roll axis.
+        tolerance: accepted relative difference of left and right; positions relative to leg length.
     """
 
     base: t.Name
@@ -83,7 +83,7 @@ class Roles(t.Group):
 
 
 class Part(NamedTuple):
-    """A driven joint in the base's frame: place [m] and axis (3,); what it moves; its range."""
+    """A driven joint in the base frame: position (3,) [m], axis (3,), moved body, properties."""
 
     place: np.ndarray
     axis: np.ndarray
@@ -92,7 +92,7 @@ class Part(NamedTuple):
 
 
 class ModelTree:
-    """A compiled model in its nominal pose, the base at the origin."""
+    """A compiled model in its nominal pose, with the base at the origin."""
 
     def __init__(self, model: mujoco.MjModel, roles: Roles, typed: Collection[str] = ()) -> None:
         self.has_knee, self._joints = _KNEE in roles.joints, _joints(model, roles)
@@ -137,7 +137,7 @@ class ModelTree:
             self.remarks.append(f"ignored, as no leg has them: {', '.join(ignored)}")
 
     def _raise_origin(self) -> None:
-        """Move the base's origin up to the pitch axes where the model has it below mid-leg."""
+        """Move the base origin up to the pitch axes if the model has it below mid-leg."""
         pairs = (self._joints[name] for name in ("hip_pitch", "ankle"))
         up = self._turn[2]
         hip, ankle = ((self._data.xanchor[list(k)] - self._origin).mean(0) @ up for k in pairs)
@@ -147,7 +147,7 @@ class ModelTree:
             self.remarks.append(text)
 
     def _find_owners(self) -> np.ndarray:
-        """Joint with a role (nbody,) that moves each body, −1 for the base, −2 for others."""
+        """For each body, the joint with a role that moves it (nbody,); −1: base, −2: others."""
         model, owners = self._model, np.full(self._model.nbody, -2)
         for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
             own = [index for index in self._joints_of(int(body)) if index in self._roles]
@@ -156,7 +156,7 @@ class ModelTree:
         return owners
 
     def _check_constraints(self) -> list[str]:
-        """Refuse springs and constraints of the legs; those of other parts, which are ignored."""
+        """Reject springs and constraints of the legs; return those of other parts (ignored)."""
         model, found = self._model, {True: list[str](), False: list[str]()}
         parts: list[tuple[str, str, list[int]]] = []
         bound = model.tendon_limited | (model.tendon_damping != 0) | (model.tendon_frictionloss > 0)
@@ -181,7 +181,7 @@ class ModelTree:
         return found[False]
 
     def _bodies(self, kind: str, index: int) -> list[int]:
-        """Bodies that a body, site, joint or tendon holds together."""
+        """Bodies that a body, site, joint or tendon connects."""
         model = self._model
         if kind == "joint":
             return [model.jnt_bodyid[index], model.body_parentid[model.jnt_bodyid[index]]]
@@ -199,7 +199,7 @@ class ModelTree:
         return range(start, start + self._model.body_jntnum[body])
 
     def _hip_order(self, side: int) -> tuple[str, ...]:
-        """Joints of a hip from the base down; those with a role follow one another to the ankle."""
+        """Joints of a hip from the base down, after a check of the leg's joint order."""
         model, hip = self._model, ()
         moved = _KNEE if self.has_knee else "slide"
         for name in ("ankle", "upper_foot", "ankle_roll"):
@@ -223,7 +223,7 @@ class ModelTree:
 
     @property
     def reach(self) -> float:
-        """Way from pitch axis to ankle across the axes, left [m]."""
+        """Distance from left pitch axis to ankle in the sagittal plane [m]."""
         hip, ankle = (self._data.xanchor[self._joints[k][0]] for k in ("hip_pitch", "ankle"))
         return float(np.linalg.norm((self._turn @ (ankle - hip))[[0, 2]]))
 
@@ -232,7 +232,7 @@ class ModelTree:
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
 
     def leg(self, side: int) -> dict[str, Part]:
-        """Parts of a side's leg by role; those of the right leg as of a left one."""
+        """Parts of a side's leg by role; those of the right leg are mirrored to the left."""
         parts = {}
         for name, pair in self._joints.items():
             place = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
@@ -245,22 +245,22 @@ class ModelTree:
         return parts
 
     def foot(self, side: int) -> Foot:
-        """Geometry of a side's foot in the base's frame."""
+        """Geometry of a side's foot in the base frame."""
         last = self._joints["ankle_roll" if self.has_sole else "ankle"][side]
         bodies = np.flatnonzero(self._owners == last)
         return Foot(self._data, bodies, self._origin, self._turn)
 
     def motors(self, side: int, speeds: Mapping[str, float]) -> dict[str, Any]:
-        """Motors of a side as :func:`motor_of` has them, by role; of slide and ankle only where
-        each has its own.
+        """Motors of a side by role, from :func:`motor_of`; slide and ankle are included only if
+        each has its own motor.
         """
-        own = self.has_knee or "capstan" in self._typed  # as null
+        own = self.has_knee or "capstan" in self._typed  # typed as null
         others = ("upper_foot",) if own else ("upper_foot", "slide", "ankle")
         names = [name for name in self._joints if name not in others]
         return {name: motor_of(self._model, self._joints[name][side], speeds) for name in names}
 
     def base(self) -> tuple[Body, float]:
-        """The base and all that is welded to it, with the plane of symmetry at y = 0; its own y."""
+        """The base with everything welded to it, made symmetric about y = 0; its original y."""
         base = self._joined(np.flatnonzero(self._owners == -1))
         if base.mass < LEAST_MASS:
             return base, 0.0
@@ -281,8 +281,8 @@ class ModelTree:
         return Body(base.mass, base.com * [1.0, 0.0, 1.0], symmetric), float(lateral)
 
     def held(self) -> dict[str, float]:
-        """Joints without a role and the mass [kg] that each and those beyond it, as seen from the
-        base, carry.
+        """Joints without a role, with the mass [kg] that each carries, including joints beyond it
+        as seen from the base.
         """
         model, parents, owners, result = self._model, self._model.body_parentid, self._owners, {}
         holders: dict[int, str | None] = {self._base: None}
@@ -302,7 +302,7 @@ class ModelTree:
         return result
 
     def _joint(self, name: str, side: int) -> tuple[dict[str, float], np.ndarray]:
-        """Range and passive properties, of a left leg; unit vector along the axis (3,)."""
+        """Range and passive properties as of a left leg's joint; unit vector of the axis (3,)."""
         model, index = self._model, self._joints[name][side]
         key = f"robot.roles.joints.{_KNEE if name == 'slide' and self.has_knee else name}"
         slides, text = not self._turns(name), model.joint(index).name
@@ -333,7 +333,7 @@ class ModelTree:
         return name != "slide" or self.has_knee
 
     def _direction(self, name: str, side: int, key: str) -> tuple[np.ndarray, float]:
-        """Unit vector (3,) of an axis as its role has it; −1 where the file's is against it."""
+        """Unit vector (3,) of an axis in the sense of its role; −1 if the file's is opposite."""
         index = self._joints[name][side]
         axis = self._turn @ self._data.xaxis[index]
         along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
@@ -353,7 +353,7 @@ class ModelTree:
         return (along if turn <= (_MAX_TILT if tilts else _MAX_SKEW) else sign * axis), sign
 
     def _joined(self, bodies: np.ndarray) -> Body:
-        """Bodies as one, in the base's frame."""
+        """Several bodies as one, in the base frame."""
         model, data = self._model, self._data
         masses = model.body_mass[bodies]
         mass = float(masses.sum())
@@ -369,7 +369,7 @@ class ModelTree:
 
 
 def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
-    """Left and right joint of each role that the machine has."""
+    """Left and right joint of each role that the robot has."""
     table, key = dict(roles.joints), "robot.roles.joints"
     if _KNEE in table:
         require("slide" not in table, key, f"slide or {_KNEE}", "both")
@@ -394,7 +394,7 @@ def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
 
 
 def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
-    """Number of the joint or body of a name."""
+    """Index of the joint or body with a name."""
     try:
         return getattr(model, kind)(name).id
     except KeyError as error:  # MuJoCo lists the names
@@ -402,13 +402,13 @@ def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
 
 
 def relative(difference: Any, size: float) -> float:
-    """Largest element in units of ``size``; infinite for NaN."""
+    """Largest absolute element divided by ``size``; infinite for NaN."""
     value = float(np.abs(difference).max() / size) if size > 0.0 else np.inf
     return value if np.isfinite(value) else np.inf
 
 
 def rounded(value: Any) -> Any:
-    """Numbers of nine digits and twelve decimals, so that they are the same on every machine."""
+    """Round to nine digits and twelve decimals, so that values are equal on every machine."""
     if np.ndim(value):
         return [rounded(item) for item in value]
     return round(float(f"{value:.9g}"), 12) + 0.0

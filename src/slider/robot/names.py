@@ -1,7 +1,7 @@
-"""Names of joints, motors, bodies, sites and channels, and gravity: defined once, used everywhere.
+"""Names of joints, motors, bodies, sites and channels, and gravity.
 
-Joint order: left leg, then right leg, each from hip to foot; ``robot.geometry.axes.order`` is that
-of the hip. x forward, y left, z up.
+Joint order: left leg, then right leg, each from hip to foot; ``robot.geometry.axes.order`` is the
+order of the hip joints. x forward, y left, z up.
 """
 
 from collections.abc import Iterable
@@ -11,10 +11,10 @@ from slider.config.robot import LATERAL, Geometry
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")
 LEG_SIZE = 6  # joints of a leg: three of the hip, slide or knee, ankle, upper foot or ankle roll
-EXTENSION, ANKLE, LAST = 3, 4, 5  # places among them
+EXTENSION, ANKLE, LAST = 3, 4, 5  # indices among them
 NUM_JOINTS = LEG_SIZE * len(SIDES)
 GAIT_JOINTS = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE != LAST)
-"""Joints that a gait prescribes: an upper foot is passive, an ankle's roll keeps the sole level."""
+"""Joints that a gait prescribes: an upper foot is passive, an ankle roll keeps the sole level."""
 LAST_JOINTS = tuple(i for i in range(NUM_JOINTS) if i % LEG_SIZE == LAST)
 LEG_GAIT_JOINTS = LEG_SIZE - 1
 NUM_GAIT_JOINTS = len(GAIT_JOINTS)
@@ -34,12 +34,12 @@ def motor_names(geometry: Geometry) -> tuple[str, ...]:
 
 
 def driven_joints(geometry: Geometry) -> tuple[int, ...]:
-    """Places of the joints that have motors, as many as these."""
+    """Indices of the joints that are actuated; there are as many motors."""
     return GAIT_JOINTS if geometry.sole is None else tuple(range(NUM_JOINTS))
 
 
 def knee_joint_names(geometry: Geometry) -> tuple[str, ...]:
-    """Names of the joints of gaits (10): a knee in place of the slide, no upper foot."""
+    """Names of the joints of gaits (10): a knee instead of the slide, no upper foot."""
     return _both((*geometry.axes.order, "knee", "ankle"))
 
 
@@ -48,11 +48,11 @@ def _both(leg: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def mirror_sign(geometry: Geometry) -> tuple[float, ...]:
-    """Signs (12) of the reflection at the sagittal plane, which swaps the legs: of yaw and roll."""
+    """Signs (12) of joints under reflection at the sagittal plane: −1 for yaw and roll."""
     return tuple(-1.0 if name in LATERAL else 1.0 for name in geometry.leg_joints) * len(SIDES)
 
 
-# What a robot is commanded to: velocity of the base in its heading frame [m/s], yaw rate [rad/s].
+# Commands of a robot: velocity of the base in its heading frame [m/s], yaw rate [rad/s].
 VELOCITY = ("vx", "vy", "yaw_rate")
 
 GRAVITY = 9.81  # [m/s²], as in MuJoCo
@@ -63,13 +63,13 @@ IMU = "imu"
 
 
 def velocity_text(velocity: Iterable[float]) -> str:
-    """A commanded velocity (vx, vy, yaw rate) in words; a yaw rate of zero is left out."""
+    """A commanded velocity (vx, vy, yaw rate) as text; a yaw rate of zero is left out."""
     vx, vy, yaw_rate = velocity
     return f"({vx:g}, {vy:g}) m/s" + (f", {yaw_rate:g} rad/s" if yaw_rate else "")
 
 
 def other_side(side: str) -> str:
-    """``right`` of ``left``, and back."""
+    """``right`` for ``left``, and vice versa."""
     return SIDES[1 - SIDES.index(side)]
 
 
@@ -79,7 +79,7 @@ def foot(side: str) -> str:
 
 
 def tube(side: str) -> str:
-    """Name of the geom of the leg's tube of a side."""
+    """Name of the geom of a side's tube."""
     return f"{side}_tube"
 
 
@@ -114,7 +114,7 @@ def channels(geometry: Geometry) -> tuple[str, ...]:
 
 
 def channel_units(geometry: Geometry) -> tuple[str, ...]:
-    """Units of ``channels``; a knee has the place of the slide."""
+    """Units of ``channels``; a knee is named ``slide``."""
     slide = "rad" if geometry.knee else "m"
     units = [slide if name == "slide" else "rad" for name in geometry.leg_joints] * len(SIDES)
     return (*units, *(f"{unit}/s" for unit in units), "m/s", "m/s")

@@ -1,4 +1,4 @@
-"""The robot in a scene to look at: floor grid, sky, light with shadows, cameras."""
+"""The robot in a scene for rendering: floor grid, sky, light with shadows, cameras."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -14,11 +14,11 @@ from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_spec
 
 TILE = 0.5  # edge of a floor tile [m]
-# What the shadow map covers about the light [m]. With less, or with a light further away, the floor
-# far behind the robot has speckles, which the camera at the front sees.
+# Extent of the shadow map around the light [m]. With less, or with a light further away, the floor
+# far behind the robot has speckles in the view of the front camera.
 _EXTENT = 8.0
 _TUBE = (0.12, 0.12, 0.13, 1.0)
-# Direction of view: turn about the vertical axis from +x, slope (down: negative) [degree].
+# Viewing direction: azimuth about the vertical axis from +x, elevation (down: negative) [degree].
 CAMERAS = {
     "side": (70.0, -10.0),  # from the right, slightly from behind: the floor shows depth
     "front": (180.0, -10.0),
@@ -26,26 +26,26 @@ CAMERAS = {
 
 
 def aim(camera: Any, name: str, distance: float) -> None:
-    """Turn a MuJoCo camera to a direction of ``CAMERAS``, its target at a distance [m]."""
+    """Set direction (of ``CAMERAS``) and target distance [m] of a MuJoCo camera."""
     camera.azimuth, camera.elevation = CAMERAS[name]
     camera.distance = distance
 
 
 class Relief(NamedTuple):
-    """Heights of the ground on a grid, to look at [m]."""
+    """Heights of the ground on a grid, for rendering [m]."""
 
     heights: np.ndarray  # rows along y, columns along x
-    x: tuple[float, float]  # first and last place of the columns
-    y: tuple[float, float]  # of the rows
+    x: tuple[float, float]  # x of the first and last column
+    y: tuple[float, float]  # y of the first and last row
 
 
 def build_scene(
     robot: RobotConfig, width: int = 640, height: int = 480, relief: Relief | None = None
 ) -> mujoco.MjModel:
-    """Compile the robot with everything that makes it good to look at.
+    """Compile the robot with visual elements for rendering.
 
-    ``width`` and ``height`` are those of the largest picture rendered offscreen [pixel]; a
-    ``relief`` takes the place of the flat floor.
+    ``width`` and ``height`` are the size of the offscreen buffer [pixel]; a ``relief`` replaces the
+    flat floor.
     """
     spec = build_spec(robot, SimulationOptions())
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
@@ -53,13 +53,13 @@ def build_scene(
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
     spec.visual.headlight.specular = [0.0, 0.0, 0.0]
-    spec.stat.extent = _EXTENT  # without it the floor's, and a coarse shadow
+    spec.stat.extent = _EXTENT  # otherwise that of the floor, with a coarse shadow
     spec.visual.map.shadowclip = 1.0
     spec.visual.map.zfar = 40.0 / _EXTENT
     _add_textures(spec)
     if relief is not None:
         _raise_floor(spec, relief)
-    spec.body(names.BASE).add_light(  # moves with the robot: as sharp a shadow after ten metres
+    spec.body(names.BASE).add_light(  # moves with the robot, so that its shadow stays sharp
         pos=[-0.2, -0.33, 1.0],
         dir=[0.2, 0.33, -1.0],
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -74,7 +74,7 @@ def build_scene(
 
 
 def _add_textures(spec: mujoco.MjSpec) -> None:
-    """Sky and tiles of the floor."""
+    """Add textures of the sky and of the floor's tiles."""
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -114,7 +114,7 @@ def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
 
 
 def _complete_leg(spec: mujoco.MjSpec, geometry: Geometry, side: str, lateral: float) -> None:
-    """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
+    """Add parts that are only visual, since they never collide: ankle, links between hip axes."""
     *hip, _, ankle = geometry.leg(lateral)
     end, height = ankle.place, geometry.foot_radius - geometry.ankle_height
     lines = [(f"{side}_slide", geometry.tube_radius, [*end[:2], end[2] + 0.05, *end])]

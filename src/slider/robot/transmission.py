@@ -1,11 +1,11 @@
-"""From motors to joints: hip motors drive their joints, two leg motors slide and ankle.
+"""Transmission from motors to joints: hip motors drive their joint, leg motors slide and ankle.
 
 Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Leg
-motors drive a joint each, or both through a capstan: in the same sense they move the slide, in
-opposite senses they turn the foot, with angles s/r ± β/n of a slide s [m] and an ankle β [rad],
-drum radius r and foot ratio n. Torque limit, torque-speed line, rotor inertia and position loop
-belong to motors; their effect on joints follows from the matrix. Without a capstan the slide's
-motor has N, m/s and kg in the place of N m, rad/s and kg m².
+motors drive one joint each, or both through a capstan: turning in the same direction they move the
+slide, in opposite directions the foot, with angles s/r ± β/n for a slide s [m] and an ankle β
+[rad], drum radius r and foot ratio n. Torque limit, torque-speed line, rotor inertia and position
+loop belong to motors; their effect on joints follows from the matrix. Without a capstan, the units
+of the slide's motor are N, m/s and kg instead of N m, rad/s and kg m².
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 def leg_matrix(capstan: Capstan | None, size: int = LEG_GAIT_JOINTS) -> np.ndarray:
-    """Motor angles per joint position (size, size): hip, slide, ankle and its roll in columns."""
+    """Motor angles per joint position (size, size); columns: hip, slide, ankle, ankle roll."""
     matrix = np.eye(size)
     if capstan is None:
         return matrix
@@ -33,12 +33,12 @@ def leg_matrix(capstan: Capstan | None, size: int = LEG_GAIT_JOINTS) -> np.ndarr
 
 
 def by_motor(robot: Mechanism, table: Mapping[str, T]) -> list[T]:
-    """Entries of the drives of a leg for its motors, from the hip down."""
+    """Entries of a table, by drive name, for each motor of a leg, from the hip down."""
     return [table[name] for name in robot.leg_motors]
 
 
 def leg_inertia(robot: Mechanism) -> np.ndarray:
-    """Inertia of rotors and joints that adds to that of a leg's driven joints [kg m², kg]."""
+    """Matrix of rotor inertia and armature, added to that of a leg's driven joints [kg m², kg]."""
     rotors = np.array([drive.inertia for drive in by_motor(robot, robot.drives)])
     matrix = leg_matrix(robot.capstan, len(rotors))
     names = robot.geometry.leg_joints[: len(rotors)]
@@ -48,13 +48,13 @@ def leg_inertia(robot: Mechanism) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Transmission:
-    """The m motors of the robot in the order of ``motor_names``: 10, or with soles 12.
+    """The m motors of the robot in the order of ``motor_names``; m is 10, or 12 with soles.
 
     Attributes:
         matrix: motor angles per joint position (m, 12).
-        torque, stall: limit and stall torque (m,) [N m].
-        speed: where the torque-speed line ends (m,) [rad/s].
-        inertia: of the rotors (m,) [kg m²].
+        torque, stall: torque limit and stall torque (m,) [N m].
+        speed: no-load speed of the torque-speed line (m,) [rad/s].
+        inertia: rotor inertia (m,) [kg m²].
     """
 
     matrix: Array
@@ -86,27 +86,27 @@ class Transmission:
         return inverse
 
     def angles(self, joints: Array) -> Array:
-        """Motor angles or speeds (..., m) [rad, rad/s] of joint positions or speeds (..., 12)."""
+        """Motor angles or speeds (..., m) [rad, rad/s] for joint positions or speeds (..., 12)."""
         return joints @ self.matrix.T
 
     def torques(self, efforts: Array) -> Array:
-        """Motor torques (..., m) [N m] that make joint efforts (..., 12) [N m or N]."""
+        """Motor torques (..., m) [N m] that produce joint efforts (..., 12) [N m or N]."""
         return efforts @ self.inverse.T
 
     def efforts(self, torques: Array) -> Array:
-        """Joint efforts (..., 12) [N m or N] of motor torques (..., m) [N m]."""
+        """Joint efforts (..., 12) [N m or N] produced by motor torques (..., m) [N m]."""
         return torques @ self.matrix
 
     def torque_limits(self, speeds: Array) -> tuple[Array, Array]:
-        """Least and greatest torque (..., m) [N m] at motor speeds (..., m) [rad/s]."""
+        """Minimum and maximum torque (..., m) [N m] at motor speeds (..., m) [rad/s]."""
         upper = (self.stall * (1 - speeds / self.speed)).clip(-self.torque, self.torque)
         lower = (-self.stall * (1 + speeds / self.speed)).clip(-self.torque, self.torque)
         return lower, upper
 
     def shares(self, efforts: Array, speeds: Array) -> tuple[Array, Array]:
-        """Torque / limit and voltage / bus voltage (..., m) of joint efforts and speeds.
+        """Torque / limit and voltage / bus voltage (..., m) for joint efforts and speeds.
 
-        A motor makes a torque at a speed where both are within ±1; the voltage share is
+        A torque at a speed is feasible if both are within ±1; the voltage share is
         torque / stall torque + speed / no-load speed.
         """
         torques, turning = self.torques(efforts), self.angles(speeds)

@@ -318,7 +318,7 @@ class TerrainConfig(t.Group):
 
 
 class DisturbanceConfig(t.Group):
-    """Domain randomisation, drawn uniformly per robot and episode, with noise, pushes, terrain."""
+    """Domain randomisation, drawn uniformly per robot and episode; noise, pushes and terrain."""
 
     sensing: SensingConfig
     delay: t.Interval[PhysicsTime]

@@ -103,6 +103,6 @@ class Console:
         """Write which signal ended a job; a job that exited on its own has written the reason."""
         if name := name or _BY_STATUS.get(status or ""):
             cause = _OUT_OF_MEMORY if name == signal.SIGKILL.name else name
-            kept = "results and checkpoints are kept, the same command again goes on from there"
+            kept = "results and checkpoints are kept, the same command continues from there"
             label = self._labels.get(recipe, "the job")
             print(f"slider: {label}: ended by {cause}; {kept}", file=sys.stderr)

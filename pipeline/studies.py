@@ -133,7 +133,7 @@ def _scaled(config: Config, path: str, value: Sequence[float], factor: float) ->
         changed = replace(config, robot=scaled(config.robot, path, factor))
         validate(changed)
     except UserError as error:
-        return replace(variant, note=f"no such robot: {error}")
+        return replace(variant, note=f"invalid robot: {error}")
     return replace(variant, config=changed)
 
 

@@ -157,7 +157,7 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
     chosen = {name: texts[name] for name in controllers}
     for name, text in chosen.items():
         mine = [other for other in chosen if chosen[other] == text]
-        require(mine == [name], f"control.{base_of(name)}.label", "a label of its own", text)
+        require(mine == [name], f"control.{base_of(name)}.label", "a unique label", text)
     return chosen
 
 

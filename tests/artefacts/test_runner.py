@@ -147,7 +147,7 @@ def test_damaged_input_is_refused(package, store, damage):
     digest = store.read_manifest("first", first.recipe).result.object
     (store.object_folder(digest) / "value.txt").chmod(0o644)
     damage(store.object_folder(digest) / "value.txt")
-    message = rf"^expected the first result {digest[:12]} whole, .* run `slider store verify`$"
+    message = rf"^expected an intact first result {digest[:12]}, .* run `slider store verify`$"
     with pytest.raises(UserError, match=message):
         Runner(store).run(job(package, "second", {}, {"values": [first]}))
 

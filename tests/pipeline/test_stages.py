@@ -263,5 +263,5 @@ def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
 def test_a_label_that_two_rows_would_have_is_refused():
     rows = "evaluation.controllers=[hzd_onboard,mpc_wbc_tuned]"
     label = "control.mpc_wbc_tuned.label='HZD, onboard state'"
-    with pytest.raises(UserError, match=r"label: expected a label of its own, found HZD, onboard"):
+    with pytest.raises(UserError, match=r"label: expected a unique label, found HZD, onboard"):
         all_jobs(composed(rows, label))

@@ -143,7 +143,7 @@ def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
     key = "study.sensitivity.scaling"
     job = study("sensitivity", f"{key}.parameters=[virtual_knee.thigh_length]", f"{key}.change=0.5")
     _, short, long = job.section["variants"]
-    assert short[3].startswith("no such robot: robot.virtual_knee: expected thigh + shank")
+    assert short[3].startswith("invalid robot: robot.virtual_knee: expected thigh + shank")
     assert "\n" not in short[3]
     assert long[3] == ""
     assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}

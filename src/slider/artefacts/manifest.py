@@ -50,7 +50,7 @@ _MANIFESTS = TypeAdapter(Manifest)
 def damaged(stage: str, digest: str) -> UserError:
     """Error about a result whose content does not match its digest."""
     return UserError(
-        f"expected the {stage} result {digest[:12]} whole, "
+        f"expected an intact {stage} result {digest[:12]}, "
         "found it damaged: run `slider store verify`"
     )
 

@@ -126,7 +126,10 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     read_from = [report, *(reports / target for target in targets[1:])]
     missing = [path for path in read_from if not path.is_file()]
     if missing:
-        print(f"slider results: {name} stays, {missing[0]} is missing: {command}", file=sys.stderr)
+        print(
+            f"slider results: {name} is as before, no {missing[0]}: {command}",
+            file=sys.stderr,
+        )
         return match[0]
     jobs = [job for path in read_from for job in _newest(path, store)]
     runs = _run_metadata(jobs, store)

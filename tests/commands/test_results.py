@@ -109,7 +109,7 @@ def test_the_overview_has_median_and_range_of_the_trainings(capsys):
     Path("reports/table1.csv").write_text(HEAD + ours + hzd)
     assert filled("overview")[2:4] == ["<!-- results: overview -->", "<!-- /results -->"]
     command = "snakemake -j2 reports/table1.csv reports/seeds.csv"
-    line = f"slider results: overview stays, reports/seeds.csv is missing: {command}\n"
+    line = f"slider results: overview is as before, no reports/seeds.csv: {command}\n"
     assert capsys.readouterr().err == line
     Path("reports/seeds.csv").write_text("v\n")
     Path("reports/seeds_runs.csv").write_text(RUNS)

@@ -120,16 +120,100 @@ def test_the_line_is_in_the_middle_of_the_models_sole(side, tmp_path):
     assert (width, depth) == pytest.approx((0.2, 0.1), abs=1e-3)
 
 
-def test_a_sole_that_is_not_level_is_told(tmp_path):
-    found = read_model(footed(tmp_path, 0.0, 0.0, 0.175), ROLES)
-    assert "sole is not level in roles.pose: turn the ankle by -0.17 rad" in " ".join(found.remarks)
-    assert found.values["geometry"].keys().isdisjoint(["ankle_height", "toe", "heel"])
+def test_a_sole_that_is_tilted_in_the_models_zero_is_levelled(tmp_path):
+    path = footed(tmp_path, 0.0, 0.0, 0.175)
+    found = read_model(path, ROLES)
+    assert "sole is tilted by -10.0° in its zero pose" in " ".join(found.remarks)
+    assert found.pose["left_ankle"] == pytest.approx(-0.175, abs=1e-5)
+    assert found.foot["toe"] - found.foot["heel"] == pytest.approx(2 * 0.03 * np.sin(0.175))
+    pose = {"left_ankle": 0.0, "right_ankle": 0.0}
+    (told,) = read_model(path, ROLES | {"pose": pose}).remarks
+    assert (
+        told == "the model's sole is not level in roles.pose: turn the ankle by -0.18 rad about y"
+    )
+    pose |= {"left_hip_pitch": -0.1, "right_hip_pitch": -0.1}
+    told = " ".join(read_model(path, ROLES | {"pose": pose}).remarks)
+    assert "left_hip_pitch is 0.0000 rad in place of -0.1, for a level sole" in told
+    assert "the pose levels it" in told
+
+
+def test_formulas_give_the_joints_from_those_of_the_model(tmp_path):
+    """Of axes of either sign, and of a pose that is not the model's zero."""
+    path = rolling(tmp_path) / XML
+    text = path.read_text()
+    for axis in (
+        'right_hip_pitch" axis="0 1',
+        'left_ankle" axis="0 1',
+        'left_hip_yaw" axis="0 0 1',
+    ):
+        assert text.count(axis) == 1
+        text = text.replace(axis, f"{axis[:-1]}-1")
+    path.write_text(text)
+    robot, formulas = composed(f"robot={tmp_path}").robot, model_of(tmp_path / YAML).formulas
+    assert formulas["hip_yaw"] == "−left_hip_yaw, right_hip_yaw"
+    datas = ours, theirs = [
+        mujoco.MjData(model)
+        for model in (
+            build_spec(robot, SimulationOptions()).compile(),
+            mujoco.MjModel.from_xml_path(str(path)),
+        )
+    ]
+    theirs.qpos[7:] = np.random.default_rng(5).uniform(-0.4, 0.4, 12)
+    given = {theirs.model.joint(k).name: float(theirs.qpos[6 + k]) for k in range(1, 13)}
+    for name, pair in formulas.items():
+        for side, formula in zip(("left", "right"), pair.split(", "), strict=True):
+            ours.joint(f"{side}_{name}").qpos = eval(formula.replace("−", "-"), {}, given)
+    ours.qpos[:7] = theirs.qpos[:7]
+    for data in datas:
+        mujoco.mj_kinematics(data.model, data)
+        data.xanchor[:] -= data.xanchor[0]
+    for name in given:
+        off = np.cross(
+            ours.joint(name).xanchor - theirs.joint(name).xanchor, ours.joint(name).xaxis
+        )
+        np.testing.assert_allclose(off, 0.0, atol=1e-4)
+
+
+def test_a_plate_that_is_turned_compiles(tmp_path):
+    """Its moments are A + B = C, up to a rounding."""
+    plate = 'fullinertia="1e-5 3e-5 2e-5 0 0 0"'
+    sole = ('fullinertia="3e-4 1e-3 1e-3 0 1e-4 0"', plate)
+    pose = "pose: {left_ankle: -0.1, right_ankle: -0.1}, joints"
+    change(rolling(tmp_path, sole) / YAML, "joints", pose)
+    robot = composed(f"robot={tmp_path}").robot
+    assert build_spec(robot, SimulationOptions()).compile().nv == 18
+
+
+def test_a_knee_at_the_end_of_its_range_is_bent_to_the_other_side(tmp_path):
+    """The leg is hyperextended by 0.1 rad in the zero pose, where the range ends."""
+    shank = '"><inertial pos="-0.01 0 0.01" mass="0.1"'
+    moved = (f"0 0 -0.3{shank}", f"{0.3 * np.sin(0.1):.6f} 0 {-0.3 * np.cos(0.1):.6f}{shank}")
+    ends = ('slide" axis="0 1 0" range="-1.5 1.5"', 'slide" axis="0 1 0" range="0 2.5"')
+    pose = model_of(rolling(tmp_path, moved, ends) / YAML).pose
+    assert pose["left_slide"] == pytest.approx(0.1 + 0.5, abs=1e-4)
+
+
+def test_motors_that_differ_between_the_legs_are_told(tmp_path):
+    path = rolling(tmp_path) / XML
+    path.write_text(path.read_text().replace('frcrange="-40 40"', 'frcrange="-30 30"', 1))
+    told = " ".join(model_of(tmp_path / YAML).remarks)
+    assert "torque of hip_yaw is 30, on the other leg 40" in told
+
+
+@pytest.mark.parametrize("role", ["hip_yaw", "hip_roll", "knee"])
+def test_a_pair_that_is_swapped_alone_is_told(role, tmp_path):
+    name = "slide" if role == "knee" else role
+    own, other = f"[left_{name}, right_{name}]", f"[right_{name}, left_{name}]"
+    change(rolling(tmp_path) / YAML, own, other)
+    found = f"found left and right of {name} swapped"
+    with pytest.raises(UserError, match=f"^robot.roles.joints: expected joints .*, {found}"):
+        model_of(tmp_path / YAML)
 
 
 @pytest.mark.parametrize(
     ("x", "roles", "message"),
     [
-        (0.03, {"forward": "-x"}, "(the base looks along −x: roles.forward: -x)"),
+        (0.03, {"forward": "-x"}, "(the base looks along x: roles.forward: x)"),
         (0.03, {"joints": {k: [*reversed(v)] for k, v in ROLES["joints"].items()}}, "are swapped)"),
     ],
 )

@@ -62,9 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --film: three speeds, a push, a slope and stairs beside each other",
     )
     parser.add_argument("--seconds", type=float, help="stop after this time [s]")
-    parser.add_argument(
-        "--seed", type=int, default=0, help="of initial state and random agent"
-    )
+    parser.add_argument("--seed", type=int, default=0, help="of initial state and random agent")
     parser.add_argument(
         "--set",
         nargs="+",

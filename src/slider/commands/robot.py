@@ -73,12 +73,15 @@ def _lines(
             f"{abs(np.rad2deg(geometry.bend)):.0f}° at zero, by {ends.min():.0f}° to "
             f"{ends.max():.0f}° at its ends"
         )
-    yield f"\n{'joint':<12}{'range [rad, m]':>18}{'damping':>10}{'armature':>10}"
+    head = f"\n{'joint':<12}{'range [rad, m]':>18}{'damping':>10}{'armature':>10}"
+    formulas = {} if model is None else model.formulas
+    yield head + "  left and right by the model's joints" * bool(formulas)
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower:.3f} to {joint.upper:.3f}"
-        yield f"{name:<12}{bounds:>18}{joint.damping:10.4g}{joint.armature:10.4g}"
+        row = f"{name:<12}{bounds:>18}{joint.damping:10.4g}{joint.armature:10.4g}"
+        yield f"{row}  {formulas.get(name, '')}".rstrip()
     head = f"\n{'motor':<12}{'limit':>12}{'on one leg':>12}{'share':>8}"
-    yield f"{head}{'speed':>8}{'kp':>9}{'kd':>9}"
+    yield f"{head}{'speed':>8}{'kp':>9}{'kd':>9}{'rotor':>10}"
     motors = Transmission.of(robot)
     needed = motors.torques(all_joints(_standing_efforts(robot)[None]))[0]
     shares = np.abs(needed) / motors.torque
@@ -86,8 +89,8 @@ def _lines(
     for name, limit, torque, share in rows:
         unit = "N" if name == "slide" and geometry.knee is None else "N m"
         row = f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
-        speed, gains = robot.drives[name].speed, robot.gains[name]
-        yield f"{row}{speed:8.3g}{gains.kp:9.4g}{gains.kd:9.4g}"
+        drive, gains = robot.drives[name], robot.gains[name]
+        yield f"{row}{drive.speed:8.3g}{gains.kp:9.4g}{gains.kd:9.4g}{drive.inertia:10.3g}"
     yield from _remarks(robot, data, shares[: len(robot.leg_motors)], model)
 
 
@@ -153,6 +156,8 @@ def _remarks(
             "remark: the feet are behind the ankles. If the base looks along −x, left and right "
             "are swapped and roles.forward is -x"
         )
+    if max(geometry.toe + geometry.heel, geometry.foot_radius) > geometry.leg_length:
+        yield "remark: a foot is longer than the leg; all lengths are in m"
     if shares.max() > 1.0:
         name = robot.leg_motors[int(shares.argmax())]
         yield f"remark: {name} cannot hold the robot on one leg"

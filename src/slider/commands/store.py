@@ -18,9 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_store_argument(parser)
     actions = parser.add_subparsers(dest="action", required=True)
-    actions.add_parser(
-        "verify", help="rehash objects; drop manifests without an intact one"
-    )
+    actions.add_parser("verify", help="rehash objects; drop manifests without an intact one")
     gc = actions.add_parser("gc", help="remove results that the latest plans do not refer to")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")

@@ -3,7 +3,7 @@
 Frames are those of ``conf/robot``: parallel to the base frame when all joints are at zero.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from slider.config.robot import HIP_JOINTS, LINKS, SOLE_LINKS, Body
 from slider.core.errors import require
 from slider.robot.model_compile import compiled
 from slider.robot.model_motors import drives
-from slider.robot.model_pose import MAX_OFFSET
+from slider.robot.model_pose import MAX_OFFSET, MAX_TILT
 from slider.robot.model_tree import (
     AXES,
     LEAST_MASS,
@@ -28,7 +28,9 @@ from slider.robot.model_tree import (
 )
 
 _LIGHT = {"mass": 1e-3, "com": [0.0] * 3, "inertia": [1e-6] * 3, "products": [0.0] * 3}
-_AHEAD, _LEVEL = 2e-3, 0.04  # least forward offset of a foot [m]; largest tilt of a sole [rad]
+_ROUNDING = 1e-12  # of moments of inertia [kg m²]
+_AHEAD = 2e-3  # least forward offset of a foot [m]
+_SAME_MOTOR = 0.01  # largest relative difference of the motors of both legs
 APART = 5e-3  # largest distance of a foot's middle from its line or its roll axis [m]
 
 
@@ -46,6 +48,7 @@ class ModelFile:
         remarks: texts about what was ignored, rounded or assumed.
         foot: position of the sole, as returned by :meth:`Foot.line`; empty without geometry.
         outlines: outlines of the left foot, as returned by :meth:`Foot.outlines`.
+        formulas: left and right joint of each role in terms of the model's joints.
         motors: source of each value of ``drives`` and ``gains``, by dotted key.
     """
 
@@ -58,6 +61,7 @@ class ModelFile:
     remarks: list[str]
     foot: dict[str, float]
     outlines: list[Any]
+    formulas: dict[str, str]
     motors: dict[str, str]
 
 
@@ -81,7 +85,7 @@ def read_model(
     leg = right if roles.side == "right" else left
     shape, lateral = tree.foot(int(leg is right)), leg["ankle"].place[1]
     foot = shape.line(leg["ankle"].place, -1.0 if leg is right else 1.0) if shape else {}
-    _check_side(lateral, leg["ankle_roll" if tree.has_sole else "ankle"], foot)
+    _check_side(lateral, leg["ankle_roll" if tree.has_sole else "ankle"], foot, roles.forward)
     if not shape and roles.foot_y is None and not tree.has_sole:
         other = (left if leg is right else right)["ankle"].place[1]
         text = f"its line is at the ankle's anchor, y = {lateral:.3f} m ({other:.3f} on the other"
@@ -111,7 +115,7 @@ def read_model(
         robot |= {"virtual_knee": None} | ({"capstan": None} if tree.has_knee else {})
     if tree.has_sole:
         robot |= {name: robot[name] | {"upper_foot": None} for name in ("links", "joints")}
-    if shape and abs(tilt := shape.tilt()) > _LEVEL:
+    if shape and abs(tilt := shape.tilt()) > MAX_TILT:
         text = f"turn the ankle by {tilt:.2f} rad about y"
         tree.remarks.append(f"the model's sole is not level in roles.pose: {text}")
         foot = {name: foot[name] for name in ("y", "width")}
@@ -119,10 +123,13 @@ def read_model(
     robot["geometry"] |= {name: value for name, value in ends.items() if value > 0.0}
     if tree.has_sole:
         robot["geometry"]["sole"] = _sole(places, foot, typed)
-    values, motors = drives(tree.motors(int(leg is right), speeds), typed)
+    found = [tree.motors(side, speeds) for side in (int(leg is right), int(leg is left))]
+    tree.remarks += _motors_apart(*found)
+    values, motors = drives(found[0], typed)
     told = tree.foot_rotation, tree.solved, tree.remarks
     outlines = shape.outlines() if shape else []
-    return ModelFile(robot | values, tree.held(), differs, offset, *told, foot, outlines, motors)
+    told = *told, foot, outlines, {name: tree.formulas(name) for name in leg}
+    return ModelFile(robot | values, tree.held(), differs, offset, *told, motors)
 
 
 def _compare(
@@ -151,16 +158,28 @@ def _compare(
     return differences[worst], worst
 
 
-def _check_side(lateral: float, last: Part, foot: Mapping[str, float]) -> None:
+def _check_side(lateral: float, last: Part, foot: Mapping[str, float], forward: str) -> None:
     """Reject a left leg on the right; the foot, below joint ``last``, shows the probable cause."""
     heavy = last.body.mass > LEAST_MASS
     ahead = foot["toe"] - foot["heel"] if foot else (last.body.com - last.place)[0] * heavy
-    cause = "left and right are swapped, or the base looks along −x: roles.forward: -x"
-    if abs(ahead) > _AHEAD:
-        cause = "the base looks along −x: roles.forward: -x"
-        cause = "left and right are swapped" if ahead > 0.0 else cause
+    other = forward[1:] if forward.startswith("-") else f"-{forward}"
+    looks = f"the base looks along {other.replace('-', '−')}: roles.forward: {other}"
+    cause = "left and right are swapped"
+    if abs(ahead) <= _AHEAD:
+        cause = f"{cause}, or {looks}"
+    elif ahead < 0.0:
+        cause = looks
     found = f"its ankle at y = {lateral:.3f} m ({cause})"
     require(lateral > 0.0, "robot.roles.joints", "a left leg at y > 0", found)
+
+
+def _motors_apart(motors: Mapping[str, Any], others: Mapping[str, Any]) -> Iterator[str]:
+    """Remarks on quantities of motors that differ between the legs."""
+    for name, motor in motors.items():
+        for quantity in sorted(motor.keys() & others[name].keys()):
+            here, there = motor[quantity][0], others[name][quantity][0]
+            if relative(here - there, max(here, there, 1e-9)) > _SAME_MOTOR:
+                yield f"{quantity} of {name} is {here:g}, on the other leg {there:g}"
 
 
 def _geometry(
@@ -236,5 +255,9 @@ def _difference(link: Body, other: Body, length: float) -> float:
 def _values(link: Body, origin: np.ndarray) -> dict[str, Any]:
     """Values of a link of ``conf/robot``, relative to ``origin`` (3,) [m]."""
     moments, products = np.diag(link.inertia), link.inertia[[0, 0, 1], [1, 2, 2]]
-    values = {"mass": link.mass, "com": link.com - origin, "inertia": moments}
-    return {name: rounded(value) for name, value in (values | {"products": products}).items()}
+    values = {"mass": link.mass, "com": link.com - origin, "products": products}
+    least, middle, greatest = np.linalg.eigvalsh(link.inertia)
+    is_plate = greatest - least - middle > -_ROUNDING  # if turned, MuJoCo may refuse its rounding
+    if is_plate and np.abs(products).max() > _ROUNDING:
+        moments = moments + 4.0 * _ROUNDING
+    return {name: rounded(value) for name, value in (values | {"inertia": moments}).items()}

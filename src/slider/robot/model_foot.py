@@ -55,11 +55,13 @@ class Foot:
         return points[(points @ unit).argmax()]
 
     def tilt(self) -> float:
-        """Angle [rad] about y that levels the longest lower edge, to half a degree."""
+        """Angle [rad] about y that levels the longest lower edge; 0 without a flat one."""
         angles = np.deg2rad(np.arange(-45.25, 45.5, 0.5))
-        points = np.array([self.extent(np.sin(t), 0.0, -np.cos(t)) for t in angles])
-        longest = np.linalg.norm(np.diff(points[:, [0, 2]], axis=0), axis=1).argmax()
-        return float(angles[longest : longest + 2].mean())
+        points = np.array([self.extent(np.sin(t), 0.0, -np.cos(t)) for t in angles])[:, [0, 2]]
+        edges = np.diff(points, axis=0)
+        lengths = np.linalg.norm(edges, axis=1)
+        x, z = edges[lengths.argmax()]
+        return float(np.arctan2(z, x)) if lengths.max() > 0.5 * np.ptp(points[:, 0]) else 0.0
 
     def line(self, ankle: np.ndarray, lateral: float = 1.0) -> dict[str, float]:
         """y of the sole's middle and its width; height, toe and heel from the ankle (3,) [m].

@@ -13,9 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from slider.config.robot import HIP_JOINTS, LEAST_BEND, MAX_TURN
 from slider.core.errors import require
+from slider.robot.model_foot import Foot
 
 MAX_OFFSET = 1e-3  # largest offset of an ankle from the line below the pitch axis [m]
 LEVEL = 0.02  # largest tilt of a level sole [rad]
+MAX_TILT = 0.04  # largest tilt of a foot's geometry that counts as level [rad]
 _FAR = 0.2  # rotation of a typed foot beyond which the model's zero does not count as level [rad]
 _CLOSE = 1e-5  # tolerance of a solved pose [rad], [m]
 _BEND = 0.5  # default bend of knees [rad]
@@ -25,7 +27,8 @@ class LegPose:
     """A leg of a compiled model; moves its joints, which are given by role. ``base`` is a body id.
 
     ``forward`` (3, 3) rotates the model's base axes to those of slider, ``line`` is the y of the
-    foot line in them [m], by default that of the last ankle joint's anchor.
+    foot line in them [m], by default that of the last ankle joint's anchor. ``levelled`` is the
+    tilt of the sole in the zero pose [rad] that the solved pose compensates.
     """
 
     def __init__(
@@ -41,16 +44,19 @@ class LegPose:
         self._model, self._data, self._base, self._joints = model, data, base, joints
         self._knee, self._forward, self._line = knee, forward, line
         self._last = "ankle_roll" if "ankle_roll" in joints else "ankle"
+        self._foot_body = model.jnt_bodyid[joints[self._last]]
         zero = mujoco.MjData(model)
         mujoco.mj_kinematics(model, zero)
-        self._level = self._foot(zero)
+        self.levelled, self._tilt = 0.0, self._sole_tilt(zero)
+        self._level = Rotation.from_rotvec([0.0, self._tilt, 0.0]).as_matrix() @ self._foot(zero)
 
     def solve(self, typed: Sequence[str], bend: float | None) -> dict[str, float]:
         """Set and return joint angles by role that change; empty if the pose is already valid.
 
         A ``typed`` yaw, roll or knee is kept. The sole gets its orientation in the model's zero
-        pose, or, if a typed ankle rotates it far from there, that in the given pose. ``bend`` is
-        the knee flexion [rad]; None: that of the pose, or 0.5 if the leg is straight.
+        pose, levelled by its geometry, or, if a typed ankle rotates it far from there, that in the
+        given pose. ``bend`` is the knee flexion [rad]; None: that of the pose, or 0.5 if the leg is
+        straight or the knee hyperextended.
 
         Raises:
             UserError: there is no valid pose.
@@ -64,7 +70,7 @@ class LegPose:
         if self._knee and not bends:  # bend only a knee that is on the line from hip to ankle
             leg, shank = self._sides()
             off = np.linalg.norm(np.cross(leg, shank)) / (leg @ leg)
-            bends = bool(off < LEAST_BEND)
+            bends = bool(off < LEAST_BEND) or ("slide" not in typed and self._hyperextended())
         far = "ankle" in typed and self.foot_rotation() > _FAR
         level = self._foot(data) if far else self._level
         start = {name: float(data.qpos[self._place(name)]) for name in self._joints}
@@ -89,6 +95,7 @@ class LegPose:
         rest = np.abs(missed(np.round(found.x, 6) + 0.0)).max()  # the same on every machine
         expected = "a pose with a level sole and the ankle below the pitch axis, or angles near one"
         require(rest < _CLOSE, "robot.roles.pose", expected, f"one that misses it by {rest:.3g}")
+        self.levelled = 0.0 if far else self._tilt
         now = {name: float(data.qpos[self._place(name)]) for name in self._joints}
         return {name: value for name, value in now.items() if value != start[name]}
 
@@ -101,8 +108,7 @@ class LegPose:
 
     def _foot(self, data: Any) -> np.ndarray:
         """Rotation (3, 3) of the foot in the base frame."""
-        foot = self._model.jnt_bodyid[self._joints[self._last]]
-        base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, foot))
+        base, own = (data.xmat[body].reshape(3, 3) for body in (self._base, self._foot_body))
         return self._forward @ base.T @ own
 
     def _seen(self, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -125,11 +131,32 @@ class LegPose:
 
     def _bend(self, angle: float) -> None:
         """Bend the knee by an angle [rad] from the straight leg, towards its mid-range."""
+        straight, index = self._straight(), self._joints["slide"]
+        middle = self._model.jnt_range[index].mean() if self._model.jnt_limited[index] else 0.0
+        sense = 1.0 if middle >= straight - _CLOSE else -1.0
+        self._data.qpos[self._place("slide")] = round(straight + sense * angle, 6)
+
+    def _hyperextended(self) -> bool:
+        """Whether the knee is bent to a side on which its range ends within 0.5 rad."""
+        index, straight = self._joints["slide"], self._straight()
+        low, high = self._model.jnt_range[index]
+        end = low if self._data.qpos[self._place("slide")] < straight else high
+        return bool(self._model.jnt_limited[index] and abs(end - straight) < _BEND)
+
+    def _straight(self) -> float:
+        """Position of the knee at which the leg is straight [rad]."""
         (leg, shank), axis = self._sides(), self._seen("slide")[1]
         thigh, shank = (part - (part @ axis) * axis for part in (leg - shank, shank))
         flexion = np.arctan2(np.cross(thigh, shank) @ axis, thigh @ shank)
-        index, place = self._joints["slide"], self._place("slide")
-        straight = float(self._data.qpos[place] - flexion)
-        middle = self._model.jnt_range[index].mean() if self._model.jnt_limited[index] else 0.0
-        sense = 1.0 if middle >= straight else -1.0
-        self._data.qpos[place] = round(straight + sense * angle, 6)
+        return float(self._data.qpos[self._place("slide")] - flexion)
+
+    def _sole_tilt(self, zero: Any) -> float:
+        """Angle [rad] about y that levels the foot's geometry in the zero pose; 0 if level."""
+        parents, below = self._model.body_parentid, []
+        for body in range(self._model.nbody):
+            if body == self._foot_body or parents[body] in below:
+                below.append(body)
+        turn = self._forward @ zero.xmat[self._base].reshape(3, 3).T
+        shape = Foot(zero, np.array(below), zero.xpos[self._base], turn)
+        tilt = shape.tilt() if shape else 0.0
+        return tilt if abs(tilt) > MAX_TILT else 0.0

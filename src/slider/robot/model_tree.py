@@ -28,7 +28,7 @@ from slider.config.robot import (
 from slider.core.errors import UserError, require
 from slider.robot.model_foot import Foot
 from slider.robot.model_motors import motor_of
-from slider.robot.model_pose import LegPose
+from slider.robot.model_pose import LEVEL, LegPose
 
 _KNEE = "knee"
 LEAST_MASS = 1e-6  # bodies below this count as massless [kg]
@@ -120,8 +120,15 @@ class ModelTree:
             names = {name: model.joint(index).name for name, index in joints.items()}
             typed = [name for name in joints if names[name] in roles.pose]
             for name, angle in leg.solve(typed, roles.bend).items():
+                given = self._zero[joints[name]]
+                if name in typed and abs(angle - given) > LEVEL:
+                    text = f"roles.pose: {names[name]} is {angle:.4f} rad in place of {given:g}"
+                    self.remarks.append(f"{text}, for a level sole and the ankle below the hip")
                 self._zero[joints[name]] = self.solved[names[name]] = angle
             legs.append(leg)
+        if tilt := legs[0].levelled:
+            text = f"the model's sole is tilted by {np.rad2deg(tilt):.1f}° in its zero pose"
+            self.remarks.append(f"{text}; the pose levels it")
         mujoco.mj_kinematics(model, self._data)
         self.foot_rotation = legs[0].foot_rotation()
         mujoco.mj_comPos(model, self._data)
@@ -217,6 +224,12 @@ class ModelTree:
             hip = tuple(role for role in order if role in HIP_JOINTS)
             expected = [*hip, moved, *["ankle"] * (name == "ankle_roll"), name]
             end = model.joint(self._joints[name][side]).name
+            for role in (*HIP_JOINTS, "slide"):
+                if role in self._joints and self._joints[role][side] not in chain:
+                    other = f"{model.joint(self._joints[role][side]).name} of another limb"
+                    if self._joints[role][1 - side] in chain:
+                        other = f"left and right of {role} swapped"
+                    require(False, "robot.roles.joints", f"joints from the base to {end}", other)
             text = f"{', '.join(expected)} from the base to {end}"
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
         return hip
@@ -230,6 +243,20 @@ class ModelTree:
     def names(self, role: str) -> list[str]:
         """Left and right joint of a role."""
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
+
+    def formulas(self, role: str) -> str:
+        """The left and right joint of a role in terms of the model's, such as ``0.5 − knee``."""
+        texts = []
+        for side, index in enumerate(self._joints.get(role, ())):
+            _, sign = self._direction(role, side, "")
+            zero, text = self._zero[index], self._model.joint(index).name
+            if abs(zero) < 5e-5:
+                texts.append(text if sign > 0 else f"−{text}")
+            elif sign > 0:
+                texts.append(f"{text} {'−' if zero > 0 else '+'} {abs(zero):.4f}")
+            else:
+                texts.append(f"{zero:.4f} − {text}".replace("-", "−"))
+        return ", ".join(texts)
 
     def leg(self, side: int) -> dict[str, Part]:
         """Parts of a side's leg by role; those of the right leg are mirrored to the left."""
@@ -347,6 +374,8 @@ class ModelTree:
         found = f"{joint} along {np.round(axis, 3).tolist()}"
         if name == "hip_roll":
             found += " (roles.forward says where the base looks)"
+        if name == "ankle_roll":
+            found += f", {np.rad2deg(turn):.1f}° off: upper_foot: null in its place holds it"
         require(bool(turn <= most), key, expected, found)
         if not tilts and turn > _MAX_TILT:
             self.remarks.append(f"{joint} counts as along {letter}, {np.rad2deg(turn):.2f}° off")

@@ -77,7 +77,7 @@ def test_a_block_has_the_reports_tables_and_their_origin():
     assert lines[-1] == "Text."
     (origin,) = (line for line in lines if line.startswith("Made by `snakemake -j2 reports/table1"))
     assert origin.endswith(
-        ", commit `01234567`, 2026-11-23, 2 processor minutes, Processor X, 2 cores, Linux."
+        ", commit `01234567`, 2026-11-23, 2 min of processor time, Processor X, 2 cores, Linux."
     )
 
 
@@ -109,7 +109,7 @@ def test_the_overview_has_median_and_range_of_the_trainings(capsys):
     Path("reports/table1.csv").write_text(HEAD + ours + hzd)
     assert filled("overview")[2:4] == ["<!-- results: overview -->", "<!-- /results -->"]
     command = "snakemake -j2 reports/table1.csv reports/seeds.csv"
-    line = f"slider results: overview is as before, no reports/seeds.csv: {command}\n"
+    line = f"slider results: overview is unchanged, no reports/seeds.csv: {command}\n"
     assert capsys.readouterr().err == line
     Path("reports/seeds.csv").write_text("v\n")
     Path("reports/seeds_runs.csv").write_text(RUNS)
@@ -129,22 +129,28 @@ def test_trainings_have_an_interval_to_the_mpc():
     ]
 
 
-def test_robots_have_a_row_each_and_their_controllers_beside_the_policy():
+ROBOTS = {"a": (1.0, 0.2), "a_b": (0.9, 0.3), "a_hzd": (0.5, 0.1), "a_b_hzd": (0.4, 0.0)}
+
+
+@pytest.mark.parametrize("speeds", [(0.2,), (0.2, 0.4)])
+def test_robots_have_a_row_each_and_their_controllers_beside_the_policy(speeds):
     rows = "variant,label,changes,speed,metric,mean\n"
-    for variant, label, changes in (
-        ("a", "A", "robot=a"),
-        ("b", "B", "robot=b"),
-        ("a_hzd", '"A, HZD"', ""),
-        ("b_hzd", '"B, HZD"', ""),
-    ):
-        for speed in (0.2, 0.4):
-            for name, mean in (("success_rate", 1.0), ("tracking_rate", speed)):
-                rows += f"{variant},{label},{changes},{speed},{name},{mean}\n"
+    for variant, rates in ROBOTS.items():
+        name, ends = variant.removesuffix("_hzd"), variant.endswith("_hzd")
+        label, changes = (f'"{name}, HZD"', "") if ends else (name, f"robot={name}")
+        for name, rate in zip(("success_rate", "tracking_rate"), rates, strict=True):
+            for speed in speeds:
+                rows += f"{variant},{label},{changes},{speed},{name},{rate * speed / speeds[0]}\n"
     Path("reports/robots.csv").write_text(rows)
     lines = filled("robots")
-    heads, _, first = lines[lines.index("<!-- results: robots -->") + 2 :][:3]
+    heads, _, *robots = lines[lines.index("<!-- results: robots -->") + 2 :][:4]
+    cells = " | ".join(
+        ("100/20 200/40", "50/10 100/20") if len(speeds) > 1 else ("100/20", "50/10")
+    )
     assert heads == "| robot | overrides | policy | HZD |"
-    assert first == "| A | `robot=a` | 100/20 100/40 | 100/20 100/40 |"
+    assert robots[0] == f"| a | `robot=a` | {cells} |"
+    assert robots[1].startswith("| a_b | `robot=a_b` | 90/30")
+    assert "| 40/0" in robots[1]
 
 
 def test_a_picture_is_copied_beside_the_pages():

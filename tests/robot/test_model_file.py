@@ -388,7 +388,7 @@ def test_a_mutation_of_any_imported_number_is_seen(tmp_path):
         if name.rpartition(".")[2] not in skipped
         for other in mutations(value)
     ]
-    assert len(changes) > 80
+    seen = 0
     for name, other in changes:
         values = OmegaConf.create(to_dict(robot))
         OmegaConf.update(values, name, other)
@@ -397,6 +397,8 @@ def test_a_mutation_of_any_imported_number_is_seen(tmp_path):
         except UserError:
             continue  # such as a base that is not symmetric
         assert apart(mutant, file, found.pose, states=3) > 1e-6, (name, other)
+        seen += 1
+    assert seen > 80
 
 
 CROSS = """<inertial pos="-0.01 0 0.01" mass="0.1"

@@ -22,7 +22,7 @@ import pandas as pd
 from scipy.stats import bootstrap
 
 from slider.artefacts.current import add_store_argument, current_plan, recent_plans
-from slider.artefacts.manifest import Manifest, parse_manifest
+from slider.artefacts.manifest import Manifest, readable
 from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.control import ONBOARD
@@ -127,7 +127,7 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     missing = [path for path in read_from if not path.is_file()]
     if missing:
         print(
-            f"slider results: {name} is as before, no {missing[0]}: {command}",
+            f"slider results: {name} is unchanged, no {missing[0]}: {command}",
             file=sys.stderr,
         )
         return match[0]
@@ -139,7 +139,7 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         raise UserError(f"expected the column {error} in {report}, found none") from None
     latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
     digests = "".join(_digests(job.recipe, store) for job in jobs)
-    made = origin(command, latest, runs["cpu_s"].sum() / 60)
+    made = origin(command, latest, runs["cpu_s"].sum(min_count=1) / 60)
     return f"{match[1]}\n{text}\n\n{made}\n\n<!-- /results{digests} -->"
 
 
@@ -166,7 +166,7 @@ def origin(command: str, metadata: dict[str, Any], minutes: float) -> str:
     commit = f"commit `{metadata['commit'][:8]}`" if "commit" in metadata else "commit unknown"
     changed = " with changes" if metadata.get("dirty") == "true" else ""
     date, machine = metadata.get("ended", "unknown date")[:10], metadata.get("machine", "unknown")
-    time = f"{minutes:.0f} processor minutes"
+    time = "unknown processor time" if np.isnan(minutes) else f"{minutes:.0f} min of processor time"
     return f"Made by `{command}`, {commit}{changed}, {date}, {time}, {machine}."
 
 
@@ -256,20 +256,19 @@ def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:
 def robots(report: Path) -> str:
     """A row per robot: its overrides, and the survival and tracking rates of each controller."""
     frame = read(report).fillna({"changes": ""})
-    rates = frame.set_index(["metric", "variant"])["mean"].mul(100).map("{:.0f}".format)
+    frame["text"] = (100 * frame["mean"]).map("{:.0f}".format)
+    texts = frame.groupby(["metric", "variant"])["text"].agg(list)
     labels = frame.drop_duplicates("variant").set_index("variant")[["label", "changes"]]
-    mine = labels[labels["changes"] != ""]
+    mine, beside = labels[labels["changes"] != ""], {*labels.index[labels["changes"] == ""]}
     first, name = mine.index[0], f"{mine['label'].iloc[0]}, "
-    others = [v.removeprefix(first) for v in labels.index if v.startswith(f"{first}_")]
-    body = [
-        [label, f"`{changes}`"]
-        + [
-            " ".join(map("/".join, zip(*(rates[r, robot + c] for r in _RATES), strict=True)))
-            for c in ("", *others)
-        ]
-        for robot, label, changes in mine.itertuples()
-    ]
-    heads = [labels.at[first + other, "label"].removeprefix(name) for other in others]
+    ends = [variant.removeprefix(first) for variant in labels.index if variant in beside]
+    ends = [end for end in ends if all(robot + end in beside for robot in mine.index)]
+    body = []
+    for robot, label, changes in mine.itertuples():
+        rates = ([texts[rate, robot + end] for rate in _RATES] for end in ("", *ends))
+        cells = (" ".join(map("/".join, zip(*pair, strict=True))) for pair in rates)
+        body.append([label, f"`{changes}`", *cells])
+    heads = [labels.at[first + end, "label"].removeprefix(name) for end in ends]
     return Table(["robot", "overrides", "policy", *heads], body).markdown
 
 
@@ -288,16 +287,16 @@ def markdown_tables(report: Path, count: int | None = None) -> str:
 
 def _run_metadata(jobs: list[Manifest], store: Store) -> pd.DataFrame:
     """Stage, threads, wall and processor time of some jobs and of all that they depend on."""
-    waiting, ancestors = [*jobs], {}
+    waiting, seen, runs = [*jobs], set[str](), {}
     while waiting:
         job = waiting.pop()
-        ancestors[job.recipe] = job.stage
-        recipes = {recipe for group in job.inputs.values() for recipe in group} - set(ancestors)
-        waiting += [parse_manifest(p) for r in recipes for p in store.root.glob(f"*/{r}.json")]
-    return pd.DataFrame(
-        [{"stage": stage} | store.metadata(stage, recipe) for recipe, stage in ancestors.items()],
-        columns=["stage", "threads", "wall_s", "cpu_s"],
-    )
+        seen.add(job.recipe)
+        metadata = store.metadata(job.stage, job.recipe)
+        runs[metadata.get("reused_from", job.recipe)] = {"stage": job.stage} | metadata
+        recipes = {recipe for group in job.inputs.values() for recipe in group} - seen
+        paths = [path for recipe in recipes for path in store.root.glob(f"*/{recipe}.json")]
+        waiting += [manifest for path in paths if (manifest := readable(path))]
+    return pd.DataFrame([*runs.values()], columns=["stage", "threads", "wall_s", "cpu_s"])
 
 
 def stage_times(runs: pd.DataFrame) -> str:

@@ -117,7 +117,7 @@ class Links(t.Group):
 
 
 _Unit = t.Rule("a unit vector", lambda vector: abs(float(np.linalg.norm(vector)) - 1.0) < 1e-6)
-MAX_TURN = 60  # largest angle between a joint's axis and the coordinate axis it is named after [°]
+MAX_TURN = 60  # largest angle between a joint's axis and the coordinate axis of its role [°]
 
 
 def _within(place: int) -> t.Rule:

@@ -80,7 +80,7 @@ class RolloutsConfig(t.Group):
     seed: t.Seed
     """seed of the first trial"""
     controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=lambda: [POLICY])
-    """evaluated controllers; each except the policy has its own row and uses the variant's gaits"""
+    """evaluated controllers, with the variant's gaits; each except the policy has its own row"""
 
 
 class StudyConfig(t.Group):

@@ -141,7 +141,7 @@ def _where(survived: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _alternation(touchdown: np.ndarray, together: float) -> np.ndarray:
     """Share (N,) of touchdowns (T, N, 2) that follow one of the other foot.
 
-    Touchdowns fewer than ``together`` simulation steps from one of the other foot do not count.
+    Touchdowns fewer than ``together`` simulation steps from one of the other foot follow none.
     """
     share = np.zeros(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):

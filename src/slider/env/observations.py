@@ -199,7 +199,7 @@ def filtered_velocity(view: View) -> Array:
 
 @observation(("vx", "vy"), "m/s", "heading", _LEVEL)
 def reference_velocity(view: View) -> Array:
-    """Commanded velocity, rate limited by the training's env.reference.acceleration (0: not)."""
+    """Commanded velocity, rate limited by the training's env.reference.acceleration (0: none)."""
     return view.reference_velocity
 
 

@@ -39,7 +39,8 @@ class Clock:
     def reset(self, index: Array, phase: Array | float, command: Array, speed: Array) -> None:
         """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
 
-        Robots commanded to stand are halted at once if the phase is at a change of stance foot.
+        Robots commanded to stand are halted at once if they are slower than ``halt.below`` and the
+        phase is at a change of stance foot.
         """
         self.phase[index] = phase
         change = (2.0 * self.phase[index]) % 1.0 == 0.0

@@ -1,7 +1,7 @@
 """All constraints of a gait, in the order in which the solver has them, in SI units.
 
 To add one, register a function of a node with ``bounded`` and bound it in ``gait.bounds``. The
-lists below are in every gait. The collocation's defects are in ``slider.gait.problem``.
+constraints in the lists below are in every gait; the defects are in ``slider.gait.problem``.
 """
 
 from collections.abc import Callable, Sequence
@@ -193,7 +193,7 @@ def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _torso(node: Node) -> list[Constraint]:
-    """Sines of the torso's roll, pitch and yaw from the course, and rates, else the torso rocks."""
+    """Sines of the torso's roll, pitch and yaw from the course, and its rates: else it rocks."""
     posture, base, r = node.form.config.posture, node.base, node.base.rotation
     rate = base.angular - r.T @ ca.vertcat(0, 0, node.yaw_rate)
     torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])

@@ -26,7 +26,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import velocity_text
 
 MULTIPLIERS = "multipliers.npy"
-"""See ``Regulator`` (G, 2, 4); NaN beyond their number, or without a limit cycle."""
+"""Multipliers (G, 2, 4), see ``Regulator``; NaN beyond their number, or without a limit cycle."""
 BY_HIP = 1  # index of the gains whose phase is the hip
 
 

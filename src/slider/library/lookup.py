@@ -72,7 +72,10 @@ class GaitTable:
         step = xp.asarray(phase >= 0.5, dtype=xp.int64)
         position = (2.0 * phase - step) * (per_step - 1)
         node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
-        share, k = position - node, step * per_step + node  # sample before, share of the next
+        share, k = (
+            position - node,
+            step * per_step + node,
+        )  # share of the next sample, sample before
         flat = self.values.reshape(-1, columns)
         result = zeros((len(velocity), columns), velocity)
         _, ny, nw = self.times.shape

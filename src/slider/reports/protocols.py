@@ -64,7 +64,7 @@ share of robots that are still up.
 In the tables a segment counts from {settled:g} s after its start; the numbers are means over the
 robots that are up at its end. Errors are |mean − command|; the heading error is the largest
 deviation from the commanded heading, the integral of the yaw rate; touchdowns are those of both
-feet; the displacement is the base's, from first to last. `{name}.csv` has all numbers.
+feet; the displacement is the base's in that time. `{name}.csv` has all numbers.
 """
 _CASES_CAPTION = """\
 {trials} trials of {robots} robots per controller and case, {duration:g} s each, from

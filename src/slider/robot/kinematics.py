@@ -251,7 +251,7 @@ class _Bent(NamedTuple):
     Attributes:
         ankle, line: position (N, 3) [m]; unit vector along the foot's line (N, 3).
         away, length: unit vector (N, 3) and distance (N, 1) [m] from hip to ankle.
-        across: two directions each perpendicular to the leg and to the foot's line (N, 2, 3).
+        across: two directions perpendicular to the leg, two to the foot's line, (N, 2, 3) each.
         moves, turns: Jacobians of ankle position [m/rad] and foot rotation (N, 5, 3).
     """
 

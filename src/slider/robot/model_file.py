@@ -126,10 +126,10 @@ def read_model(
     found = [tree.motors(side, speeds) for side in (int(leg is right), int(leg is left))]
     tree.remarks += _motors_apart(*found)
     values, motors = drives(found[0], typed)
-    told = tree.foot_rotation, tree.solved, tree.remarks
-    outlines = shape.outlines() if shape else []
-    told = *told, foot, outlines, {name: tree.formulas(name) for name in leg}
-    return ModelFile(robot | values, tree.held(), differs, offset, *told, motors)
+    told = tree.foot_rotation, tree.solved, tree.remarks, foot
+    drawn = shape.outlines() if shape else []
+    formulas = {name: tree.formulas(name) for name in leg}
+    return ModelFile(robot | values, tree.held(), differs, offset, *told, drawn, formulas, motors)
 
 
 def _compare(

@@ -47,7 +47,7 @@ AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _MAX_TILT = 1e-3  # largest tilt of an axis that counts as parallel to a coordinate axis [rad]
-_MAX_SKEW = np.deg2rad(0.5)  # largest tilt of axes that must be parallel [rad]
+_MAX_SKEW = np.deg2rad(0.5)  # largest tilt of the axes of slide, upper foot, ankle roll [rad]
 _MAX_LATERAL = 5e-3  # largest distance of the base's centre from its plane of symmetry [m]
 _MAX_PRODUCTS = 0.05  # largest Ixy and Iyz of the base, relative to its largest moment
 _TURNS = {"x": 0.0, "y": -np.pi / 2, "-x": np.pi, "-y": np.pi / 2}  # [rad] about z
@@ -61,7 +61,7 @@ class Roles(t.Group):
         joints: left and right joint of each role, null for a role that the robot lacks;
             ``ankle_roll`` instead of ``upper_foot`` if the foot has a sole.
         pose: joint positions that are taken as zero, or at which joints are held. Missing or
-            inconsistent values are solved: soles as level as in the model's zero pose, ankles
+            inconsistent values are solved: soles level by their geometry, ankles
             below the hips.
         bend: knee flexion in the pose [rad]; null: the typed one, that of the model, or 0.5 if
             the leg is straight there.

@@ -55,7 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--headless", action="store_true", help="without pictures: print the outcome"
     )
-    parser.add_argument("--film", type=Path, help="write an animated picture of a walk, or a fall")
+    parser.add_argument(
+        "--film",
+        type=Path,
+        help="film of a walk, or a fall, from side and front",
+    )
     parser.add_argument(
         "--tiles",
         action="store_true",

@@ -16,7 +16,7 @@ from slider.reports import film
 _WARM_UP = 4.0  # from rest to a periodic walk [s]
 _SECONDS = 3.8
 _FRAME_RATE = 25  # [1/s]
-_SIZE = (480, 320)  # [pixel]
+_SIZE = (640, 320)  # [pixel]
 _QUALITY = 60
 _TILE = (320, 240)  # [pixel]
 _COLUMNS = 3  # of tiles
@@ -46,7 +46,7 @@ _TERRAIN = "evaluation.disturbance.terrain"
 
 
 def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> int:
-    """Write a motion's steady part, from the side, as an animated WebP; return 1 if the robot fell.
+    """Write a motion's steady part, from side and front, as an animated WebP; 1 if the robot fell.
 
     If the robot fell, the film shows everything from the start.
 
@@ -60,7 +60,7 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     shown = frames[::-every][::-1] if fell else frames[::every]
     first = 0 if fell else round(_WARM_UP * _FRAME_RATE)
     # The camera follows with a lag: it moves as the robot does only after a while.
-    rendered = _render(scene, shown[first // 2 :], _SIZE, "side")
+    rendered = _render(scene, shown[first // 2 :], _SIZE, ("side", "front"))
     _write([Image.fromarray(picture) for picture in rendered[first - first // 2 :]], path)
     print(f"{path}: {scene.title} fell after {frames[-1].time:.2f} s" if fell else path)
     return int(fell)
@@ -73,11 +73,12 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
     for tile in TILES:
         level = f"{{lower: {tile.level}, upper: {tile.level}}}"
         scene = choose([f"{_TERRAIN}.kinds=[{tile.kind}]", f"{_TERRAIN}.level={level}"])
+        tile = tile._replace(speed=min(tile.speed, scene.top))
         frames = _walk(scene, tile, _WARM_UP + length)
         every = round(1.0 / (_FRAME_RATE * scene.motion.period))
         # The camera follows with a lag: it begins to move a second before.
         shown = frames[round((_WARM_UP - 1.0) / scene.motion.period) :: every]
-        rendered = _render(scene, shown, _TILE, tile.camera)
+        rendered = _render(scene, shown, _TILE, (tile.camera,))
         parts = zip(rendered, _subtitle(tile, shown), shown, strict=True)
         pictures = [
             film.annotate(seen, tile.title, subtitle, at.failed) for seen, subtitle, at in parts
@@ -94,12 +95,12 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
 
 
 def _render(
-    scene: Scene, frames: list[Frame], size: tuple[int, int], camera: str
+    scene: Scene, frames: list[Frame], size: tuple[int, int], cameras: Sequence[str]
 ) -> list[np.ndarray]:
     """Pictures of a scene's robot on its ground."""
     terrain = scene.motion.terrain
     ground = None if terrain is None else film.relief(terrain.ground, frames)
-    return list(film.render(scene.robot, frames, size, (camera,), ground))
+    return list(film.render(scene.robot, frames, size, cameras, ground))
 
 
 def _walk(scene: Scene, tile: Tile, seconds: float) -> list[Frame]:

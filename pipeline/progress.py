@@ -67,7 +67,7 @@ class Progress:
             items = [(item.stage, item.recipe) for item in job.inputs["evaluations"]]
             summaries = [self._store.read_manifest(*item).result.summary for item in items]
             _print(table(job.section["labels"], summaries))
-            _print("reports/table1.md has intervals and the paper's rows")
+            _print("reports/table1.md has the intervals")
 
     def _line(self, text: str) -> None:
         """Write the number of finished jobs, the remaining time, and a text."""

@@ -179,6 +179,9 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
     from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure, style
 
     marked = (*robot.geometry.axes.order, "ankle")
+    named = {name: name for name in robot.geometry.axes.order}
+    named |= {} if robot.geometry.knee is None else {"slide": "knee"}
+    named |= {name: name for name in ("ankle", "ankle_roll") if name in robot.joints}
     base, sole = data.body("base").xpos, -robot.geometry.ankle_height
     foot_style = {"color": MIDDLE, "alpha": 0.25, "linewidth": 0}
     half = 0.0 if robot.geometry.sole is None else robot.geometry.sole.width / 2
@@ -202,12 +205,12 @@ def _draw(robot: RobotConfig, data: mujoco.MjData, path: Path, outlines: list[An
                     panel.fill(*(base[[across, 2]] + mirror * np.array(outline)).T, **foot_style)
             panel.plot(base[across], base[2], "s", color=DARK, markersize=9)
             panel.axhline(0.0, color=MIDDLE, linewidth=0.8)
-            for k, name in enumerate(marked):
+            for k, (name, label) in enumerate(named.items()):
                 place = axes[name][[across, 2]]
                 panel.plot(*place, "o", color=MIDDLE, markersize=4)
                 arrow = {"arrowstyle": "-", "color": LIGHT}
                 text = {"textcoords": "axes fraction", "ha": "right", "arrowprops": arrow}
-                panel.annotate(name, place, (0.98, 0.8 - 0.08 * k), **text)
+                panel.annotate(label, place, (0.98, 0.8 - 0.08 * k), **text)
             panel.set(aspect="equal", title=f"from the {title}", xlabel="xy"[across] + " [m]")
             top = max(base[2], *(axes[name][2] for name in marked))
             panel.set(xlim=(-top, top), ylim=(-0.1 * top, 1.2 * top))

@@ -54,3 +54,10 @@ def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
     assert shlex.split(run_metadata.pipeline_metadata(tmp_path)["overrides"]) == blanks
     (tmp_path / "current" / "started").write_bytes(b"\xff\n")
     assert run_metadata.pipeline_metadata(tmp_path)["overrides"] == ""
+
+
+@pytest.mark.parametrize("wall_s", [float("nan"), float("inf"), -1.0, "3"])
+def test_times_that_no_job_took_are_refused(wall_s):
+    assert run_metadata.validate_metadata({"wall_s": 3.0, "commit": "abc"})
+    with pytest.raises(ValueError, match="expected a table of numbers and texts"):
+        run_metadata.validate_metadata({"wall_s": wall_s})

@@ -1,5 +1,6 @@
 """Run metadata: what differs from run to run; stored beside each result, not part of a recipe."""
 
+import math
 import os
 import shlex
 import subprocess
@@ -26,7 +27,8 @@ def validate_metadata(values: Any) -> dict[str, Any]:
     if isinstance(values, dict) and all(isinstance(v, int | float | str) for v in values.values()):
         for time in filter(None, map(values.get, _TIMES)):
             datetime.fromisoformat(str(time))
-        if all(isinstance(values.get(name, 0.0), int | float) for name in _NUMBERS):
+        numbers = [values.get(name, 0.0) for name in _NUMBERS]
+        if all(isinstance(n, int | float) and 0.0 <= n < math.inf for n in numbers):
             return values
     raise ValueError("expected a table of numbers and texts")
 

@@ -23,8 +23,7 @@ ALLOWED = frozenset(
         *("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"),
     }
 )
-"""Variables that a job inherits, in addition to those that begin with ``ALLOWED_PREFIXES``."""
-ALLOWED_PREFIXES = ("LC_", "SLURM_")
+"""Variables that a job inherits, beside those that begin with ``LC_``."""
 LIBRARIES = ("libcasadi", "libipopt", "libmujoco", "libtorch*", "libc10", "libonnxruntime")
 """Libraries of the packages whose names other installations use as well."""
 _HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may have several users
@@ -32,7 +31,7 @@ _HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may h
 
 def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
     """Variables of a job: the allowed ones, and those that disable option files."""
-    names = [n for n in variables if n in ALLOWED or n.startswith(ALLOWED_PREFIXES)]
+    names = [n for n in variables if n in ALLOWED or n.startswith("LC_")]
     allowed = {"USER": "nobody"}  # torch asks for the name, which a container may lack
     allowed |= {name: variables[name] for name in names}
     return allowed | {"HOME": str(home), "MATPLOTLIBRC": os.devnull}

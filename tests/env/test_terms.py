@@ -47,7 +47,7 @@ def documented():
         for module, title in ((rewards, "A reward term"), (observations, "An observation")):
             section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
             code = re.search(r"```python\n(.*?)```", section, re.S)[1]
-            lines[module] = yaml.safe_load(re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1])
+            lines[module] = yaml.safe_load(re.search(r"2\. Add .*`(\w+: .*)`\.", section)[1])
             for name in lines[module]:
                 module.TERMS.pop(name, None)
             exec(dedent(code), {**vars(module)})

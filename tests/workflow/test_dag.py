@@ -110,7 +110,7 @@ def test_a_change_computes_what_depends_on_it(workspace):
 def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(workspace, tmp_path):
     giver, remote = workspace, tmp_path / "remote"
     pushed = giver.slider("store", "push", str(remote))
-    assert pushed.stdout.startswith(f"push to {remote}: {len(EVERYTHING)} sent (")
+    assert pushed.stdout.startswith(f"push to {remote}: {len(EVERYTHING)} uploaded (")
     result = giver.manifests("gait")[0]["result"]
     (remote / "files" / result["files"]["gait.txt"]["sha256"]).write_bytes(b"")
     taker = with_dummies(copy_repository(tmp_path / "taker"))

@@ -147,7 +147,7 @@ def test_robots_have_a_row_each_and_their_controllers_beside_the_policy(speeds):
     cells = " | ".join(
         ("100/20 200/40", "50/10 100/20") if len(speeds) > 1 else ("100/20", "50/10")
     )
-    assert heads == "| robot | overrides | policy | HZD |"
+    assert heads == "| robot | overrides | policy (ours) | HZD |"
     assert robots[0] == f"| a | `robot=a` | {cells} |"
     assert robots[1].startswith("| a_b | `robot=a_b` | 90/30")
     assert "| 40/0" in robots[1]

@@ -25,7 +25,7 @@ from slider.artefacts.current import add_store_argument, current_plan, recent_pl
 from slider.artefacts.manifest import Manifest, readable
 from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import ARTEFACTS, Store
-from slider.config.control import ONBOARD
+from slider.config.control import ONBOARD, POLICY_LABEL
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.quantities import speed_text
@@ -269,7 +269,7 @@ def robots(report: Path) -> str:
         cells = (" ".join(map("/".join, zip(*pair, strict=True))) for pair in rates)
         body.append([label, f"`{changes}`", *cells])
     heads = [labels.at[first + end, "label"].removeprefix(name) for end in ends]
-    return Table(["robot", "overrides", "policy", *heads], body).markdown
+    return Table(["robot", "overrides", POLICY_LABEL, *heads], body).markdown
 
 
 def markdown_tables(report: Path, count: int | None = None) -> str:

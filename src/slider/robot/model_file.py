@@ -128,7 +128,7 @@ def read_model(
     values, motors = drives(found[0], typed)
     told = tree.foot_rotation, tree.solved, tree.remarks, foot
     drawn = shape.outlines() if shape else []
-    formulas = {name: tree.formulas(name) for name in leg}
+    formulas = {name: f"{part.formula}, {right[name].formula}" for name, part in left.items()}
     return ModelFile(robot | values, tree.held(), differs, offset, *told, drawn, formulas, motors)
 
 

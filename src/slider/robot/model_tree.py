@@ -46,6 +46,7 @@ AXES = dict.fromkeys(SOLE_LINKS, (0.0, 1.0, 0.0)) | {
 }
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
+_SHOWN = 5e-5  # least offset of a joint that is printed [rad, m]
 _MAX_TILT = 1e-3  # largest tilt of an axis that counts as parallel to a coordinate axis [rad]
 _MAX_SKEW = np.deg2rad(0.5)  # largest tilt of the axes of slide, upper foot, ankle roll [rad]
 _MAX_LATERAL = 5e-3  # largest distance of the base's centre from its plane of symmetry [m]
@@ -61,8 +62,7 @@ class Roles(t.Group):
         joints: left and right joint of each role, null for a role that the robot lacks;
             ``ankle_roll`` instead of ``upper_foot`` if the foot has a sole.
         pose: joint positions that are taken as zero, or at which joints are held. Missing or
-            inconsistent values are solved: soles level by their geometry, ankles
-            below the hips.
+            inconsistent values are solved: soles level by their geometry, ankles below the hips.
         bend: knee flexion in the pose [rad]; null: the typed one, that of the model, or 0.5 if
             the leg is straight there.
         side: leg to use if the two differ.
@@ -83,12 +83,16 @@ class Roles(t.Group):
 
 
 class Part(NamedTuple):
-    """A driven joint in the base frame: position (3,) [m], axis (3,), moved body, properties."""
+    """A driven joint in the base frame: position (3,) [m], axis (3,), moved body, properties.
+
+    ``formula`` has its value in terms of the model's joint.
+    """
 
     place: np.ndarray
     axis: np.ndarray
     body: Body
     joint: dict[str, float]
+    formula: str
 
 
 class ModelTree:
@@ -224,12 +228,11 @@ class ModelTree:
             hip = tuple(role for role in order if role in HIP_JOINTS)
             expected = [*hip, moved, *["ankle"] * (name == "ankle_roll"), name]
             end = model.joint(self._joints[name][side]).name
-            for role in (*HIP_JOINTS, "slide"):
-                if role in self._joints and self._joints[role][side] not in chain:
-                    other = f"{model.joint(self._joints[role][side]).name} of another limb"
-                    if self._joints[role][1 - side] in chain:
-                        other = f"left and right of {role} swapped"
-                    require(False, "robot.roles.joints", f"joints from the base to {end}", other)
+            for role in (role for role in (*HIP_JOINTS, "slide") if role in self._joints):
+                own, other = self._joints[role][side], self._joints[role][1 - side]
+                found = f"{model.joint(own).name} of another limb"
+                found = f"left and right of {role} swapped" if other in chain else found
+                require(own in chain, "robot.roles.joints", f"joints from the base to {end}", found)
             text = f"{', '.join(expected)} from the base to {end}"
             require(order == expected, "robot.roles.joints", text, ", ".join(order))
         return hip
@@ -244,32 +247,28 @@ class ModelTree:
         """Left and right joint of a role."""
         return [self._model.joint(index).name for index in self._joints.get(role, ())]
 
-    def formulas(self, role: str) -> str:
-        """The left and right joint of a role in terms of the model's, such as ``0.5 − knee``."""
-        texts = []
-        for side, index in enumerate(self._joints.get(role, ())):
-            _, sign = self._direction(role, side, "")
-            zero, text = self._zero[index], self._model.joint(index).name
-            if abs(zero) < 5e-5:
-                texts.append(text if sign > 0 else f"−{text}")
-            elif sign > 0:
-                texts.append(f"{text} {'−' if zero > 0 else '+'} {abs(zero):.4f}")
-            else:
-                texts.append(f"{zero:.4f} − {text}".replace("-", "−"))
-        return ", ".join(texts)
-
     def leg(self, side: int) -> dict[str, Part]:
         """Parts of a side's leg by role; those of the right leg are mirrored to the left."""
         parts = {}
         for name, pair in self._joints.items():
             place = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
             body = self._joined(np.flatnonzero(self._owners == pair[side]))
-            joint, axis = self._joint(name, side)
+            axis, sign = self._direction(name, side)
+            joint = self._joint(name, side, sign)
             if side == 1:
                 place, body = place * MIRROR, body.reflected
                 axis = axis_of(name, axis, -1.0) if self._turns(name) else axis
-            parts[name] = Part(place, axis, body, joint)
+            parts[name] = Part(place, axis, body, joint, self._formula(pair[side], sign))
         return parts
+
+    def _formula(self, index: int, sign: float) -> str:
+        """A joint of ours in terms of the model's joint, such as ``0.5000 − knee``."""
+        zero, name = self._zero[index], self._model.joint(index).name
+        if abs(zero) < _SHOWN:
+            return name if sign > 0 else f"−{name}"
+        if sign > 0:
+            return f"{name} {'−' if zero > 0 else '+'} {abs(zero):.4f}"
+        return f"{'−' if zero < 0 else ''}{abs(zero):.4f} − {name}"
 
     def foot(self, side: int) -> Foot:
         """Geometry of a side's foot in the base frame."""
@@ -328,15 +327,10 @@ class ModelTree:
                 bodies.append(body)
         return result
 
-    def _joint(self, name: str, side: int) -> tuple[dict[str, float], np.ndarray]:
-        """Range and passive properties as of a left leg's joint; unit vector of the axis (3,)."""
+    def _joint(self, name: str, side: int, sign: float) -> dict[str, float]:
+        """Range and passive properties as of a left leg's joint; ``sign`` is its axis' sense."""
         model, index = self._model, self._joints[name][side]
-        key = f"robot.roles.joints.{_KNEE if name == 'slide' and self.has_knee else name}"
-        slides, text = not self._turns(name), model.joint(index).name
-        possible = model.jnt_type[index] == _MOVES[slides]
-        expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
-        require(possible, key, expected, text)
-        axis, sign = self._direction(name, side, key)
+        key, slides, text = self._key(name), not self._turns(name), model.joint(index).name
         if side == 1 and name in LATERAL:
             sign = -sign
         dof = model.jnt_dofadr[index]
@@ -346,7 +340,7 @@ class ModelTree:
             ends = [f"joints.{name}.{end}" for end in ("lower", "upper")]
             expected = f"a joint with a range, or {' and '.join(ends)} in the robot's file"
             require(set(ends) <= set(self._typed), key, expected, f"{text} without")
-            return values, axis
+            return values
         ends = sign * (model.jnt_range[index] - self._zero[index])
         most = np.inf if slides else 2 * np.pi
         expected = "a range that holds roles.pose" + ("" if slides else ", in rad")
@@ -354,14 +348,20 @@ class ModelTree:
         found = f"{text} from {low:.4g} to {high:.4g} and its pose {self._zero[index]:.4g}"
         possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
         require(bool(possible), key, expected, found)
-        return {"lower": rounded(ends.min()), "upper": rounded(ends.max())} | values, axis
+        return {"lower": rounded(ends.min()), "upper": rounded(ends.max())} | values
 
     def _turns(self, name: str) -> bool:
         return name != "slide" or self.has_knee
 
-    def _direction(self, name: str, side: int, key: str) -> tuple[np.ndarray, float]:
+    def _key(self, name: str) -> str:
+        return f"robot.roles.joints.{_KNEE if name == 'slide' and self.has_knee else name}"
+
+    def _direction(self, name: str, side: int) -> tuple[np.ndarray, float]:
         """Unit vector (3,) of an axis in the sense of its role; −1 if the file's is opposite."""
-        index = self._joints[name][side]
+        index, key, slides = self._joints[name][side], self._key(name), not self._turns(name)
+        expected = f"a joint that slides (else {_KNEE} in its place)" if slides else "a hinge"
+        possible = self._model.jnt_type[index] == _MOVES[slides]
+        require(possible, key, expected, self._model.joint(index).name)
         axis = self._turn @ self._data.xaxis[index]
         along = np.array(AXES["ankle" if name == "slide" and self.has_knee else name])
         sign = float(np.sign(axis @ along))

@@ -190,6 +190,17 @@ def test_a_second_run_and_an_edit_by_hand_end_in_the_same_bytes(capsys):
     assert capsys.readouterr().out == ""
 
 
+def test_a_run_with_another_config_replaces_no_table(capsys):
+    filled("table1")
+    before = Path("README.md").read_text().replace("on ice", "on snow")
+    Path("README.md").write_text(before)
+    assert cli.main(["results"]) == 0
+    assert Path("README.md").read_text() == before
+    found = f"hydra={METADATA['overrides']}"
+    line = f"table1 is unchanged: expected reports/table1.md of its --config, found {found}"
+    assert line in capsys.readouterr().err
+
+
 def test_a_table_of_another_plan_says_so_and_is_listed(todays, monkeypatch, capsys):
     """A plan that cannot be laid out here changes no sentence."""
     assert not any("Since then" in line for line in filled("table1"))

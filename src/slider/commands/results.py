@@ -3,7 +3,8 @@
 A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NAME is in ``BLOCKS``,
 or a Markdown report of ``reports/``, whose headings and tables are copied. The end mark of a
 filled table lists its targets with the digests of their plan (``JobSpec.plan_digests``). A table
-whose plan differs from the current one is marked as outdated.
+whose plan differs from the current one is marked as outdated. A filled table is replaced only by
+one that was made with the same ``--config``.
 """
 
 import argparse
@@ -140,6 +141,11 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
     digests = "".join(_digests(job.recipe, store) for job in jobs)
     made = origin(command, latest, runs["cpu_s"].sum(min_count=1) / 60)
+    before = _ORIGIN.search(match[0])
+    if before and _overrides(before[0]) != (found := _overrides(made)):
+        found = f"expected {report} of its --config, found {found or 'that without --config'}"
+        print(f"slider results: {name} is unchanged: {found}", file=sys.stderr)
+        return match[0]
     return f"{match[1]}\n{text}\n\n{made}\n\n<!-- /results{digests} -->"
 
 
@@ -168,6 +174,12 @@ def origin(command: str, metadata: dict[str, Any], minutes: float) -> str:
     date, machine = metadata.get("ended", "unknown date")[:10], metadata.get("machine", "unknown")
     time = "unknown processor time" if np.isnan(minutes) else f"{minutes:.0f} min of processor time"
     return f"Made by `{command}`, {commit}{changed}, {date}, {time}, {machine}."
+
+
+def _overrides(line: str) -> str:
+    """Value of ``--config`` of the command in a line of :func:`origin`; empty without it."""
+    command = shlex.split(line.split("`")[1])
+    return command[-1] if "--config" in command else ""
 
 
 def picture(report: Path) -> str:

@@ -1,6 +1,5 @@
 """What pyproject.toml declares is what is imported, and constraints.txt pins it."""
 
-import ast
 import re
 import sys
 import tomllib
@@ -17,6 +16,7 @@ from pipeline.stages.entries import STAGES
 from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import closure, distribution
 from tests.config.composed import composed
+from tests.test_layers import imports
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -35,13 +35,8 @@ def names(requirements: list[Requirement]) -> set[str]:
 
 def imported(*folders: str) -> set[str]:
     """Top-level third-party packages that the Python files of some folders import."""
-    found: set[str] = set()
-    for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Import):
-                found |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.level == 0:
-                found.add((node.module or "").partition(".")[0])
+    paths = (path for folder in folders for path in (ROOT / folder).rglob("*.py"))
+    found = {name.partition(".")[0] for path in paths for name in imports(path)}
     return found - OURS - sys.stdlib_module_names
 
 

@@ -64,8 +64,12 @@ def test_cores_are_those_of_this_machine_whatever_openmp_may_use(folder, monkeyp
     assert make(folder, "table1")[3] == f"-j{cores()}"
 
 
-def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
+def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder, monkeypatch):
+    """Into the environment, whatever pip does elsewhere."""
+    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
+        monkeypatch.setenv(name, "1")
     make(folder, "table1")
+    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
     installed = (folder / "all.txt").read_text()
     assert "\n-e\n.\n" in installed
     assert ".[test]" not in installed
@@ -73,13 +77,6 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     (folder / "words.txt").unlink()
     make(folder, "table1")
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
-
-
-def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, monkeypatch):
-    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
-        monkeypatch.setenv(name, "1")
-    make(folder, "table1")
-    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
 
 
 @pytest.mark.parametrize("target", ["test", "faults"])

@@ -1,5 +1,6 @@
 """What the pipeline calls: a job checks its recipe, a report is copied whole or not at all."""
 
+import socket
 from unittest.mock import Mock
 
 import pytest
@@ -8,6 +9,7 @@ from slider.artefacts.plan import build_plan, write_plan
 from slider.artefacts.runner import Runner
 from slider.cli import main
 from slider.core import files
+from slider.tracking import DATABASE, LATEST
 from tests.artefacts.samples import GAITS, compute, damage
 
 JOB = GAITS[0]
@@ -46,3 +48,22 @@ def test_a_copy_is_what_the_manifest_says(store, tmp_path, capsys, damaged):
     assert [*report.parent.iterdir()] == [report]
     error = capsys.readouterr().err
     assert ("found it damaged: run `slider store verify`" in error) is damaged
+
+
+@pytest.mark.parametrize("content", [None, b"", b"no database"])
+def test_without_runs_it_is_one_line(tmp_path, refused, content):
+    if content is not None:
+        (tmp_path / "mlflow.db").write_bytes(content)
+    assert refused("runs", "--artefacts", str(tmp_path)).startswith("slider: expected runs in ")
+    assert not (tmp_path / "mlflow.db").exists() or (tmp_path / "mlflow.db").read_bytes() == content
+
+
+def test_a_taken_port_is_one_line(tmp_path, refused):
+    for name in (DATABASE, LATEST):
+        files.write_atomic(tmp_path / name, "")
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        line = refused("runs", "--artefacts", str(tmp_path), "--port", str(port))
+    assert f"--port: expected a free port at 127.0.0.1, found {port}" in line

@@ -104,16 +104,6 @@ def test_one_override_of_the_network_is_for_all_trainings():
     assert composed(*scratch).train.standing.network.hidden == [8]
 
 
-def test_without_the_library_the_other_rewards_stay():
-    walking = composed().train.walking.reward
-    unguided = composed("train/walking/reward=unguided").train.walking.reward
-    guides = {name for name in walking.terms if name.startswith("guide_")}
-    assert set(walking.terms) - guides == set(unguided.active) - {"height"}
-    for name in set(walking.terms) - guides:
-        assert unguided.terms[name] == walking.terms[name], name
-    assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)
-
-
 @pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])
 def test_the_sweep_ends_at_or_below_the_top_speed(top, count):
     commands = composed(f"speeds.top={top}").protocols["sweep"].speeds

@@ -31,12 +31,6 @@ def test_the_labels_of_the_paper_are_those_of_its_rows():
     assert dict(zip(rows["controller"], rows["label"], strict=True)) == PAPER_LABELS
 
 
-def test_every_file_but_the_base_is_a_controller():
-    files = {path.stem for path in (CONF / "control").glob("*.yaml")} - {"base"}
-    assert files == composed().control.keys()
-    assert composed("control=all").control == composed().control
-
-
 def test_a_file_is_enough_for_table_1_and_changes_no_other_recipe(conf):
     def evaluations(*overrides: str) -> list[JobSpec]:
         return list(table1_jobs(compose(overrides, conf))["table1"].inputs["evaluations"])

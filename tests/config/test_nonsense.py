@@ -52,19 +52,16 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
 }
 MISFITS = [
     ("gait.grid.vx.step=1.0e-9", "gait.grid: expected at most"),
-    ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
     ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
     ("train.standing.network.activation=tanh", "network.activation: expected elu"),
     ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
     ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
     ("control.mpc_wbc_tuned.substeps=2", "(4) for a control rate of at least 200 Hz, found"),
     ("control.mpc_wbc_observer.observer.delay=0.012", "delay: expected a multiple of 0.005"),
-    ("control.hzd.family=x", "control.hzd.family: expected 'mpc' or 'hzd', found \"x\""),
     ("control.hzd.family=mpc", "control.hzd.step.time: expected a value, found none"),
     ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
     ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
     ("evaluation.speeds=[0.2,0.2000000001]", "evaluation.speeds: expected each once, found"),
-    ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
     ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
     ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
     ("protocols.heldout.profile.rows=segments", "expected one case where rows are its"),
@@ -78,6 +75,11 @@ MISFITS = [
     ("evaluation.seed=1995", "within 20260 to 21259 or 1000 to 1999, found 1995 to"),
     ("study.ablation.evaluation.seed=20260", "evaluation.seed: expected seeds within 1000 to 1999"),
     ("train.walking.seed=20262", "train.walking.seed: expected none of seeds.final (20260 "),
+    ("robot.geometry.axes.pitch_direction=[0,0.8,-0.6]", "virtual_knee: expected null with a knee"),
+    ("robot.geometry.axes.pitch_direction=[0,0.28,0.96]", "expected within 60° of y"),
+    ("robot.geometry.axes.pitch_direction=[0,0.8,0.8]", "pitch_direction: expected a unit vector"),
+    ("robot.geometry.ankle_direction=[0,0.8,-0.6]", "virtual_knee: expected null with a knee, a s"),
+    ("robot.geometry.knee_direction=[0,0.8,-0.6]", "expected that of y where there is no"),
     ("gait.posture.knee_max=0.01", 'found {"knee_min": 0.1, "knee_max": 0.01}'),
 ]
 PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
@@ -191,10 +193,3 @@ def test_values_that_do_not_fit_together_are_one_line(change, message, config, p
     text = complaint(config, plain, tuple(name.split(".")), yaml.safe_load(value))
     assert message in text
     assert "\n" not in text
-
-
-def test_every_exception_has_a_leaf(plain):
-    keys = [key(place) for place, _ in places(plain)]
-    for patterns in PATTERNS.values():
-        for pattern in patterns:
-            assert any(fnmatch(name, pattern) for name in keys), pattern

@@ -6,7 +6,7 @@ from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled, tag
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
-from tests.config.composed import composed, refusal
+from tests.config.composed import composed
 
 
 @pytest.fixture(scope="module")
@@ -66,20 +66,3 @@ def test_one_parameter_changes_and_nothing_else(robot, factor):
             scaled(robot, path, factor)
     digits = scaled(robot, "links.base.inertia", 1.2).links.base.inertia
     assert digits == (0.036, 0.0216, 0.0336)
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        (
-            "axes.pitch_direction=[0,0.8,-0.6]",
-            "virtual_knee: expected null with a knee",
-        ),
-        ("ankle_direction=[0,0.8,-0.6]", "virtual_knee: expected null with a knee, a sole"),
-        ("knee_direction=[0,0.8,-0.6]", "knee_direction: expected that of y where there is no"),
-        ("axes.pitch_direction=[0,0.28,0.96]", "pitch_direction: expected within 60° of y"),
-        ("axes.pitch_direction=[0,0.8,0.8]", "pitch_direction: expected a unit vector"),
-    ],
-)
-def test_axes_that_no_leg_can_have(override, message):
-    assert message in refusal([f"+robot.geometry.{override}"])

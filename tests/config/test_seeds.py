@@ -4,9 +4,9 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.evaluation import protocol_jobs
-from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec
-from tests.config.composed import CONF, composed
+from tests.config.composed import composed
+from tests.pipeline.test_studies import study
 
 pytestmark = pytest.mark.usefixtures("constant_code")
 FINETUNED = "finetuning=robust"
@@ -21,24 +21,19 @@ def drawn(reports: list[JobSpec]) -> set[int]:
     return found
 
 
-def study(name: str, *overrides: str) -> JobSpec:
-    config = composed(*overrides)
-    return study_job(name, config, table1_jobs(config), overrides, CONF)
-
-
 @pytest.mark.parametrize("experiment", ["default", "paper"])
 def test_no_reported_seed_is_chosen_by(experiment):
     """Of the others the validation knows the blocks, as below."""
-    given = [f"experiment={experiment}"]
-    config = composed(*given)
+    given = f"experiment={experiment}"
+    config = composed(given)
     jobs = table1_jobs(config)
     protocols = protocol_jobs(config, jobs)
-    seeds = study("seeds", *given)
+    seeds = study("seeds", experiment=given)
     final = drawn([jobs["table1"], *protocols.values(), seeds])
 
-    given += [FINETUNED, "evaluation=development"]
-    compared = study("ablation", *given, "study.ablation.run=[default,without_pretraining]")
-    tuned = composed(*given)
+    changes, run = (FINETUNED, "evaluation=development"), "[default,without_pretraining]"
+    compared = study("ablation", *changes, f"study.ablation.run={run}", experiment=given)
+    tuned = composed(given, *changes)
     chosen = drawn([compared, table1_jobs(tuned)["table1"]])
     chosen |= {training.selection.seed for training in tuned.trainings.values()}
 

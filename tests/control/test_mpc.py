@@ -19,7 +19,7 @@ from slider.robot.names import LAST_JOINTS, SIDES, foot
 from tests.config.composed import CONF, composed
 from tests.control.walking import COUNT, STILL, walk
 from tests.env.synthetic import config, disturbance, make_arrays, robot_config
-from tests.robot.soled import with_soles
+from tests.robot.lopsided import with_soles
 
 TUNED = "mpc_wbc_tuned"
 SETTLED = 6.0  # the integral action needs some strides [s]

@@ -27,10 +27,11 @@ def cuda(monkeypatch):
         (AVX2, "AuthenticAMD", "x86_64-avx2-amd", "float32"),
         (BF16, "AuthenticAMD", "x86_64-avx512_bf16-amd", "bfloat16"),
         (AMX, "GenuineIntel", "x86_64-amx-intel", "bfloat16"),
+        ("", "", "arm64", "float32"),
     ],
 )
 def test_kernels_and_precision_follow_the_processor(processor, flags, maker, name, auto):
-    processor(flags, maker)
+    processor(flags, maker, name.partition("-")[0])
     assert kernels() == name
     assert precision("auto") == auto
     assert precision("auto", "cuda") == "float32"
@@ -46,11 +47,6 @@ def test_cores_are_those_of_affinity_and_quota(text, found, tmp_path, monkeypatc
     assert machine.cores() == 5
     (tmp_path / "cpu.max").write_text(text)
     assert machine.cores() == found
-
-
-def test_other_architectures_have_no_levels(processor):
-    processor("", "", "arm64")
-    assert (kernels(), precision("auto")) == ("arm64", "float32")
 
 
 def test_a_job_of_another_machine_is_refused(processor):

@@ -11,13 +11,7 @@ import yaml
 from omegaconf import OmegaConf
 
 from slider.config.convert import from_dict, to_dict, with_settings
-from slider.config.env import (
-    DisturbanceConfig,
-    EnvConfig,
-    HeightScan,
-    OnboardConfig,
-    PhysicsConfig,
-)
+from slider.config.env import DisturbanceConfig, EnvConfig, HeightScan, OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.core.arrays import tensors

@@ -10,13 +10,7 @@ from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.state import RobotState
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import (
-    config,
-    disturbed_physics,
-    make_arrays,
-    make_physics,
-    robot_config,
-)
+from tests.env.synthetic import config, disturbed_physics, make_arrays, make_physics, robot_config
 
 COUNT = 4
 

@@ -54,32 +54,22 @@ def _below(path: Any, root: Path) -> bool:
 
 def kill_at(root: Path, number: int) -> Callable[[], None]:
     """End the process without a chance to tidy up before an operation."""
-
-    def act(count: int) -> None:
-        if count == number:
-            os.kill(os.getpid(), signal.SIGKILL)
-
-    return lambda: at_each(root, act)
+    kill = signal.SIGKILL
+    return lambda: at_each(root, lambda count: count == number and signal.raise_signal(kill))
 
 
 def no_space_from(root: Path, number: int) -> Callable[[], None]:
     """Fail an operation and all that follow, as on a full disk."""
-
-    def act(count: int) -> None:
-        if count >= number:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(root))
-
-    return lambda: at_each(root, act)
+    return lambda: at_each(root, lambda count: count >= number and _fail(root, errno.ENOSPC))
 
 
 def no_reading_at(root: Path, number: int, code: int) -> Callable[[], None]:
     """Fail one reading with an error of the system, which has passed at the next."""
+    return lambda: at_each(root, lambda count: count == number and _fail(root, code), reading=True)
 
-    def act(count: int) -> None:
-        if count == number:
-            raise OSError(code, os.strerror(code), str(root))
 
-    return lambda: at_each(root, act, reading=True)
+def _fail(root: Path, code: int) -> None:
+    raise OSError(code, os.strerror(code), str(root))
 
 
 def count(root: Path, path: Path, reading: bool = False) -> Callable[[], None]:

@@ -22,11 +22,7 @@ def opened(overrides: str = "", **options) -> Pipeline:
 
 @pytest.mark.parametrize(
     ("overrides", "cores", "slots", "threads"),
-    [
-        ("", 1, 1, 1),
-        ("", 4, 1, 2),
-        ("resources.threads=3", 2, 3, 3),
-    ],
+    [("", 1, 1, 1), ("", 4, 1, 2), ("resources.threads=3", 2, 3, 3)],
 )
 def test_a_training_holds_one_core_and_uses_idle_ones(overrides, cores, slots, threads):
     pipeline = opened(overrides, cores=cores)

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -37,28 +38,24 @@ def test_writes_pictures_that_move(tmp_path):
     assert (pictures[0] != pictures[1]).any()
 
 
-class Pictures:
+@pytest.fixture
+def pictures(monkeypatch) -> SimpleNamespace:
     """Black ones in the place of what is rendered, and what was asked for."""
+    asked = SimpleNamespace(frames=[], reliefs=[], facts=[], alarms=[])
 
-    def __init__(self, monkeypatch):
-        self.frames, self.reliefs, self.facts, self.alarms = [], [], [], []
-        monkeypatch.setattr(film, "render", self.render)
-        monkeypatch.setattr(film, "annotate", self.annotate)
-
-    def render(self, robot, frames, size, cameras, relief):
-        self.frames.append(frames)
-        self.reliefs.append(relief)
+    def render(robot, frames, size, cameras, relief):
+        asked.frames.append(frames)
+        asked.reliefs.append(relief)
         return [np.zeros((*size[::-1], 3), dtype=np.uint8) for _ in frames]
 
-    def annotate(self, picture, title, texts, alarm):
-        self.facts.append(texts)
-        self.alarms.append(alarm)
+    def annotate(picture, title, texts, alarm):
+        asked.facts.append(texts)
+        asked.alarms.append(alarm)
         return Image.fromarray(picture)
 
-
-@pytest.fixture
-def pictures(monkeypatch):
-    return Pictures(monkeypatch)
+    monkeypatch.setattr(film, "render", render)
+    monkeypatch.setattr(film, "annotate", annotate)
+    return asked
 
 
 def test_shows_the_ground_below_the_robot(tmp_path, pictures):

@@ -1,21 +1,14 @@
 """``slider play`` answers what it cannot do in one line, and leaves nothing behind."""
 
+import socket
+import subprocess
 import sys
+import time
 
 import pytest
 
 from slider.cli import main
 from tests.config.composed import CONF
-
-
-def no_display(monkeypatch) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-
-
-def macos_without_mjpython(monkeypatch) -> None:
-    monkeypatch.setattr(sys, "platform", "darwin")
-
 
 AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*.yaml")), "zero"]
 
@@ -42,11 +35,15 @@ def test_each_refusal_is_one_line(arguments, message, capsys, monkeypatch, tmp_p
 
 @pytest.mark.parametrize(
     ("machine", "reason"),
-    [(no_display, "expected a display, found none"), (macos_without_mjpython, "mjpython")],
+    [
+        (lambda patch: patch.setenv("DISPLAY", ":none"), "expected a display, found none"),
+        (lambda patch: patch.setattr(sys, "platform", "darwin"), "mjpython"),
+    ],
 )
 def test_without_a_window_it_is_in_the_browser(machine, reason, capsys, monkeypatch):
     served = []
     monkeypatch.setattr("slider.play.web.run", lambda *given: served.append(given[3:]))
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     machine(monkeypatch)
     assert main(["play", "zero", "--conf", str(CONF)]) == 0
     assert served == [("127.0.0.1", 0)]
@@ -61,3 +58,29 @@ def test_a_fall_is_status_1_and_leaves_no_log(tmp_path, monkeypatch, capsys):
     assert main(["play", "random", *options]) == 1
     assert "agent random: fell after" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
+
+
+def test_listens_at_one_address():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command = [sys.executable, "-m", "slider.cli", "play", "random", "--web", "--port", str(port)]
+    viewer = subprocess.Popen(command, cwd=CONF.parent, stdout=subprocess.PIPE, text=True)
+    try:
+        deadline = time.monotonic() + 60
+        while not answers("127.0.0.1", port):
+            assert viewer.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        assert not answers("127.0.0.2", port)  # also this machine, as is every address 127.…
+    finally:
+        viewer.kill()
+        viewer.communicate()
+
+
+def answers(host: str, port: int) -> bool:
+    try:
+        socket.create_connection((host, port), 1).close()
+    except OSError:
+        return False
+    return True

@@ -1,5 +1,7 @@
 """Keys and what they do to the velocity; the loop around a motion."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
@@ -41,20 +43,14 @@ class Counter:
     period = 0.1
 
     def __init__(self):
-        self.steps, self.pushes = 0, []
+        self.push = Mock()
 
     def start(self, velocity):
-        self.steps = 0
-        return self._frame()
+        self.steps = -1
+        return self.step(velocity)
 
     def step(self, velocity):
         self.steps += 1
-        return self._frame()
-
-    def push(self, velocity):
-        self.pushes.append(velocity)
-
-    def _frame(self):
         return Frame(self.steps * self.period, np.zeros(19), np.zeros(2), False)
 
 
@@ -67,4 +63,4 @@ def test_the_loop_ends_pauses_and_pushes():
     control.paused = False
     control.push(0.0, 0.4)
     loop.run(motion, control, lambda frame: True, 1.0, real_time=False)
-    assert len(motion.pushes) == 1
+    motion.push.assert_called_once()

@@ -8,6 +8,7 @@ from slider.core.job import Job
 from slider.reports import page
 from slider.reports.figures.style import style
 from slider.reports.figures.walking import draw_training
+from slider.reports.film import annotate
 from slider.reports.html import html
 from slider.reports.sections import SECTIONS
 from slider.reports.video import ABOUT, FILM, POSTER
@@ -65,3 +66,11 @@ def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):
     shown = {panel.get_title(): panel.lines[0].get_ydata() for panel in axes}
     np.testing.assert_array_equal(shown["speed error [m/s]"], [np.nan, 0.1])
     np.testing.assert_array_equal(shown["score"], [10.0, 5.3])
+
+
+def test_the_facts_are_within_the_picture():
+    facts = "command 3.00 m/s   actual 2.60 m/s   t = 10.0 s"
+    image = annotate(np.zeros((300, 480, 3), np.uint8), "MPC + WBC, tuned", facts, False)
+    row = np.asarray(image)[-24:-8].max(axis=(0, 2)) > 128  # columns with ink
+    ink = np.flatnonzero(row)
+    assert ink[-1] < 470

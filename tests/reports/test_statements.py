@@ -7,10 +7,8 @@ from pkgutil import resolve_name
 from pipeline.targets import report_files
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core.job import Job
-from slider.core.tables import Table
 from slider.env import observations, rewards
-from slider.reports.page import Page, paper_statements, read_statements
+from slider.reports.page import read_statements
 from tests.config.composed import CONF, composed
 
 ROOT = CONF.parent
@@ -78,10 +76,3 @@ def test_the_papers_experiment_has_other_values():
     keys = [place for place in places if _is_key(place)]
     assert keys
     assert [place for place in keys if _value(place, CONFIG) == _value(place, PAPER)] == []
-
-
-def test_the_page_has_a_table_per_part():
-    parts = paper_statements(Page({}, {}, CONF, Job(CONF)))
-    shown = {part.caption: part.rows for part in parts if isinstance(part, Table)}
-    assert [*shown] == list(dict.fromkeys(row["part"] for row in read()))
-    assert sum(map(len, shown.values())) == len(read())

@@ -21,8 +21,7 @@ from slider.robot.kinematics import (
 )
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.config.composed import composed
-from tests.robot.lopsided import kneed, lopsided, turned
-from tests.robot.soled import soled
+from tests.robot.lopsided import kneed, lopsided, soled, turned
 
 ROBOT = composed().robot
 ROBOTS = pytest.mark.parametrize(

@@ -6,10 +6,11 @@ import pytest
 
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from slider.robot.scene import aim
 from slider.robot.transmission import Transmission
 from tests.config.composed import composed
 from tests.env.synthetic import JOINTS, MOTORS
-from tests.robot.soled import with_soles
+from tests.robot.lopsided import with_soles
 
 ROBOT = composed().robot
 
@@ -147,3 +148,17 @@ def test_a_leg_with_a_sole_has_no_upper_foot():
     for side in names.SIDES:
         assert model.geom(f"{side}_upper_foot").rbound < 0.01
         assert model.geom(names.foot(side)).size[1] == 0.025
+
+
+@pytest.mark.parametrize(("name", "axis", "sign"), [("side", 1, 1.0), ("front", 0, -1.0)])
+def test_where_a_camera_looks(name, axis, sign):
+    """From the right to the left (+y), and from the front backwards (−x); a little down."""
+    model = mujoco.MjModel.from_xml_string("<mujoco><worldbody/></mujoco>")
+    scene, camera = mujoco.MjvScene(model, 10), mujoco.MjvCamera()
+    aim(camera, name, 2.0)
+    data = mujoco.MjData(model)
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, 7, scene)
+    forward = np.array(scene.camera[0].forward)
+    assert sign * forward[axis] > 0.9
+    assert -0.3 < forward[2] < 0.0
+    assert np.linalg.norm(scene.camera[0].pos) == pytest.approx(2.0, abs=0.1)

@@ -22,8 +22,7 @@ from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
 from slider.robot.model_file import ModelFile, read_model
 from tests.config.composed import CONF, composed
-from tests.robot.lopsided import kneed, lopsided, turned
-from tests.robot.soled import with_soles
+from tests.robot.lopsided import kneed, lopsided, turned, with_soles
 
 SLIDER = composed().robot
 ROLES = {"base": "base", "joints": {name: [f"left_{name}", f"right_{name}"] for name in LINKS}}
@@ -231,19 +230,15 @@ def printed(folder: Path, text: str, capsys) -> str:
     return capsys.readouterr().out
 
 
-def test_legs_that_are_swapped_on_a_base_that_looks_backwards(tmp_path, capsys):
-    footed(tmp_path, 0.03, 0.0)
-    said = printed(tmp_path, SWAPPED.replace("roles: {", "roles: {forward: -x, "), capsys)
-    assert "remark: the feet are behind the ankles" in said
-
-
-def test_a_line_beside_the_models_sole_is_told(tmp_path, capsys):
+def test_a_line_beside_the_models_sole_and_feet_behind_the_ankles_are_told(tmp_path, capsys):
     footed(tmp_path, 0.03, 0.02)
     text = TEXT.replace("roles: {", "geometry: {toe: 0.085}\nroles: {foot_y: 0.11, ")
     said = printed(tmp_path, text, capsys)
     assert "remark: y of the foot line is 0.110 m, of the model 0.120" in said
     assert "remark: toe of the foot line is 0.085 m, of the model 0.130" in said
     assert "remark: heel" not in said
+    said = printed(tmp_path, SWAPPED.replace("roles: {", "roles: {forward: -x, "), capsys)
+    assert "remark: the feet are behind the ankles" in said
 
 
 def test_a_pose_that_turns_the_feet_is_told(tmp_path):
@@ -506,8 +501,9 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
 
 
 def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_path):
-    robot = lopsided()
-    found = read_model(urdf(robot, tmp_path), NO_YAW)
+    robot, path = lopsided(), urdf(lopsided(), tmp_path)
+    found = read_model(path, NO_YAW)
+    assert read_model(path.rename(tmp_path / "robot.URDF"), NO_YAW) == found  # whatever its ending
     values, geometry = found.values, robot.geometry
     assert found.held == {"arm_joint": pytest.approx(0.25)}
     assert_links(values, robot, "roll", "pitch", "tube", "foot")
@@ -595,13 +591,6 @@ def test_held_bodies_without_mass_or_with_an_impossible_inertia(
     found = read_model(path, NO_YAW)
     assert found.values["links"]["base"]["mass"] == pytest.approx(expected, abs=1e-6)
     assert remark in " ".join(found.remarks)
-
-
-@pytest.mark.parametrize("name", ["robot.URDF", "robot.model"])
-def test_the_ending_of_a_files_name_is_of_no_matter(name, tmp_path):
-    path = urdf(lopsided(), tmp_path)
-    expected = read_model(path, NO_YAW)
-    assert read_model(path.rename(tmp_path / name), NO_YAW) == expected
 
 
 def test_the_base_may_have_its_frame_at_the_ground_or_look_elsewhere(tmp_path):
@@ -758,12 +747,6 @@ def test_motors_come_from_the_model_but_for_typed_values(folder):
     assert (sources["gains.hip_yaw.kp"], "gains.hip_roll.kp" in sources) == ("rule", False)
 
 
-def test_xacro_says_what_to_run_first(folder):
-    change(folder / XML, "<worldbody>", "<xacro:include/><worldbody>")
-    with pytest.raises(UserError, match=r"first run `xacro robot.xml > robot.urdf`"):
-        read(folder / YAML)
-
-
 def test_a_slide_that_is_slightly_off_is_told(folder):
     pattern = '(_slide" type="slide"[^>]*)axis="[^"]*"'
     substitute(folder / XML, pattern, r'\1axis="0.0035 0 -1"', 0)
@@ -830,6 +813,12 @@ SWAPPED = TEXT.replace("left", "other").replace("right", "left").replace("other"
             "joints.hip_yaw: expected an axis within 60° of z, found left_hip_roll along",
         ),
         (XML, 'left_slide" type="slide"', 'left_slide" type="hinge"', "expected a joint that"),
+        (
+            XML,
+            "<worldbody>",
+            "<xacro:include/><worldbody>",
+            "first run `xacro robot.xml > robot.urdf",
+        ),
         (XML, "<worldbody>", '<include file="robot.xml"/><worldbody>', "robot.model: robot.xml: "),
         (XML, 'mass="0.97"', 'mass="nan"', "robot.model: "),
         (XML, 'mass="0.97"', 'mass="1.97"', "expected legs that are alike"),

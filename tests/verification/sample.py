@@ -29,7 +29,7 @@ from slider.verification.summary import judge
 from tests import shared
 from tests.config.composed import composed
 from tests.library.solved import solved_library
-from tests.robot.soled import soled
+from tests.robot.lopsided import soled
 
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
 SHORT = ("verification.points=21", "verification.chunk=2")

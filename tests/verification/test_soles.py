@@ -8,7 +8,7 @@ import pytest
 
 from slider.verification.pin_robot import PinRobot
 from slider.verification.stage import Check
-from tests.robot.soled import soled
+from tests.robot.lopsided import soled
 from tests.verification.sample import failed, spoiled, table_of
 from tests.verification.sample import gait_with_soles as gait
 

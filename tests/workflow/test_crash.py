@@ -20,11 +20,7 @@ from tests.workflow.workspace import AFTER_STANDING, QUIET, TABLE, WAIT, Workspa
 pytestmark = pytest.mark.workflow
 
 LONGER = f"{QUIET} train.walking.iterations=5"
-LOOKS = [
-    ["store", "times"],
-    ["library", "show"],
-    ["play", "--headless", "--seconds", "0.1"],
-]
+LOOKS = [["store", "times"], ["library", "show"], ["play", "--headless", "--seconds", "0.1"]]
 
 
 def ours(text: str) -> list[str]:

@@ -52,7 +52,7 @@ def test_ends_with_a_table_and_a_page_of_our_controller(real):
     page = (real.folder / PAGE).read_text()
     assert "<script" not in page
     assert not re.findall(r'(?:src|href|poster)="(?!data:|#)', page)
-    assert page.index("<img") < page.index("<table")
+    assert page.index("<img") < page.index("Success rate") < page.index("Mean velocity")
     assert real.folder.name == HOSTILE
     assert not list(real.folder.parent.rglob("pwned"))
     assert not list((real.artefacts / "objects" / "tmp").iterdir())

@@ -19,9 +19,9 @@ from pipeline import private
 from pipeline.stages.page import with_renderer
 from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, plan_paths, write_plan
 from slider.artefacts.remote import Remote
-from slider.artefacts.run_metadata import note_start, revision
+from slider.artefacts.run_metadata import note_start, revision, was_started
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.artefacts.transfer import pull
 from slider.composition.compose import compose
@@ -61,7 +61,8 @@ def _print(line: object) -> None:
 class Pipeline:
     """The jobs of one configuration, as files below the working directory.
 
-    ``cores`` is the number of cores shared by all jobs. A ``dry_run`` removes nothing.
+    ``cores`` is the number of cores shared by all jobs. A ``dry_run`` removes nothing. ``earlier``
+    are the files of plans from before.
     """
 
     config: Config
@@ -72,6 +73,7 @@ class Pipeline:
     conf: Path
     cores: int = 1
     dry_run: bool = False
+    earlier: Sequence[Path] = ()
     tracking: Tracking | None = None
 
     @property
@@ -120,8 +122,10 @@ class Pipeline:
             if target not in self.plan.targets:
                 targets = {name: self.plan.jobs[r] for name, r in self.plan.targets.items()}
                 job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
-                self.plan = build_plan(targets | {target: job})
+                self.plan, smaller = build_plan(targets | {target: job}), self.plan_path
                 self.plan_path = _lay_out(self.plan, self.store, self.config, self.dry_run)
+                if smaller not in (*self.earlier, self.plan_path) and not was_started(smaller):
+                    smaller.unlink(missing_ok=True)  # one plan per call
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
         return find
@@ -147,11 +151,8 @@ class Pipeline:
         """
         signal.signal(signal.SIGTERM, _end_jobs)
         private.submit_at_once(workflow)
-        for recipe in private.forced_recipes(workflow):  # recompute, do not reuse
-            job = self.plan.jobs[recipe]
-            key = job.key(self.store.input_objects(job))
-            self.store.index_path(key).unlink(missing_ok=True)
-        note_start(self.store.root, self.overrides)
+        write_plan(self.plan, self.plan_path.parent)  # another call may have removed its own
+        note_start(self.plan_path, self.overrides, private.forced_recipes(workflow))
         if self.config.tracking.enabled:
             overrides = " ".join(self.overrides)
             self.tracking = Tracking(
@@ -213,8 +214,9 @@ def open_pipeline(
     overrides = parse_overrides(settings)
     config = with_renderer(checked(compose(overrides, conf)))
     plan = build_plan(all_targets(config, overrides, conf))
+    earlier = plan_paths(store.root / "plans")
     path = _lay_out(plan, store, config, dry_run)
-    return Pipeline(config, overrides, plan, path, store, conf, cores, dry_run)
+    return Pipeline(config, overrides, plan, path, store, conf, cores, dry_run, earlier)
 
 
 def _lay_out(plan: Plan, store: Store, config: Config, dry_run: bool) -> Path:

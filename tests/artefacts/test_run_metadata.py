@@ -45,15 +45,19 @@ def test_tells_the_commit_and_whether_files_differ(repository):
     assert run_metadata.revision() == {"commit": commit, "dirty": "true"}
 
 
-def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
-    assert run_metadata.pipeline_metadata(tmp_path) == {}
-    run_metadata.note_start(tmp_path, ["gait.cost=torque", "env=paper"])
-    assert run_metadata.pipeline_metadata(tmp_path)["pipeline_started"].endswith("+00:00")
+def test_jobs_belong_to_the_latest_run_of_their_plan(repository, tmp_path):
+    plan, other = tmp_path / "plan.json", tmp_path / "other.json"
+    assert run_metadata.pipeline_metadata(plan) == {}
+    run_metadata.note_start(plan, ["gait.cost=torque", "env=paper"], ["abc"])
+    assert run_metadata.forced_recipes(plan) == ["abc"]
+    assert run_metadata.pipeline_metadata(plan)["pipeline_started"].endswith("+00:00")
     blanks = ["a.label=two words", "b.terms=[x,y]", "c='"]
-    run_metadata.note_start(tmp_path, blanks)
-    assert shlex.split(run_metadata.pipeline_metadata(tmp_path)["overrides"]) == blanks
-    (tmp_path / "current" / "started").write_bytes(b"\xff\n")
-    assert run_metadata.pipeline_metadata(tmp_path)["overrides"] == ""
+    run_metadata.note_start(plan, blanks)
+    run_metadata.note_start(other)  # of another user of the same store
+    assert shlex.split(run_metadata.pipeline_metadata(plan)["overrides"]) == blanks
+    assert run_metadata.forced_recipes(plan) == []
+    (tmp_path / "plan.started").write_bytes(b"\xff\n")
+    assert run_metadata.pipeline_metadata(plan) == {}
 
 
 @pytest.mark.parametrize("wall_s", [float("nan"), float("inf"), -1.0, "3"])

@@ -10,6 +10,7 @@ import pytest
 
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import code_of, read_module
+from slider.artefacts.run_metadata import note_start
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
@@ -81,6 +82,18 @@ def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
     assert manifests[0].input_objects == manifests[1].input_objects == {"values": [digest]}
     assert metadata(store, ends[1])["computed"] is False
     assert metadata(store, ends[1])["reused_from"] == ends[0].recipe
+
+
+def test_a_forced_job_computes_again_what_an_earlier_one_left(package, store, tmp_path):
+    """Also where its input has another recipe by now and the same content."""
+    jobs = [job(package, "first", {"value": value}) for value in (10, 11)]
+    first, second = (job(package, "second", {}, {"values": [item]}) for item in jobs)
+    runner = Runner(store, tmp_path / "plan.json")
+    for item in (jobs[0], first, jobs[1]):
+        runner.run(item)
+    note_start(runner.plan, forced=[second.recipe])
+    assert runner.run(second) != "reused"
+    assert metadata(store, second)["computed"] is True
 
 
 def test_a_job_refuses_kernels_that_are_not_its_recipes(package, store):

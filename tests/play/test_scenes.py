@@ -53,7 +53,9 @@ def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeyp
     ("arguments", "name"), [([], "mine"), (["--set", "robot=slider"], "slider")]
 )
 def test_the_robot_is_that_of_the_last_pipeline_run(arguments, name, tmp_path):
-    note_start(tmp_path, [f"robot={tmp_path}/a robot.yaml", "robot.links.base.mass=3.0"])
+    plans = tmp_path / "plans"
+    plans.mkdir()
+    note_start(plans / "a.json", [f"robot={tmp_path}/a robot.yaml", "robot.links.base.mass=3.0"])
     (tmp_path / "a robot.yaml").write_text("defaults: [slider, _self_]\nname: mine\n")
     robot = scene("zero", "--artefacts", str(tmp_path), *arguments).robot
     assert (robot.name, robot.links.base.mass) == (name, 3.0 if name == "mine" else 2.25)

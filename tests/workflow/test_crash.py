@@ -113,7 +113,7 @@ def test_a_read_only_store_can_be_looked_at(real, tmp_path, monkeypatch):
         failed = workspace.snakemake(TABLE, hydra=LONGER)
     assert failed.returncode == 1
     (line,) = ours(failed.stderr)
-    assert line.startswith("slider: expected to write artefacts/current/started, found: ")
+    assert line.startswith("slider: expected to write artefacts/plans/")
     assert "Traceback" not in failed.stderr
 
 

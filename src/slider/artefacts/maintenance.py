@@ -8,6 +8,7 @@ from pathlib import Path
 
 from slider.artefacts.manifest import readable
 from slider.artefacts.plan import plan_paths
+from slider.artefacts.run_metadata import STARTED
 from slider.artefacts.store import Store, exclusive_store
 from slider.core import files
 from slider.core.errors import require
@@ -67,8 +68,9 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> list[str]:
         if not dry_run:
             index = store.root.glob("index/*/*.json")
             leading = [path for path in index if not _digests(path).isdisjoint(lost)]
-            for path in (*manifests, *leading, *plans[keep:]):  # before their objects
-                path.unlink()
+            started = (path.with_suffix(STARTED) for path in plans[keep:])
+            for path in (*manifests, *leading, *plans[keep:], *started):  # before their objects
+                path.unlink(missing_ok=True)
             for digest in lost:
                 store.drop_object(digest)
             _drop_litter(store, recipes)

@@ -1,10 +1,11 @@
 """Run metadata: what differs from run to run; stored beside each result, not part of a recipe."""
 
+import json
 import math
 import os
 import shlex
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,7 +14,8 @@ from typing import Any
 from slider.core import files
 
 _SOURCE = Path(__file__).parent
-_START = "current/started"
+STARTED = ".started"
+"""Suffix of the file that a run of a plan writes beside it."""
 _NUMBERS = ("wall_s", "cpu_s", "solve_cpu", "size")
 _TIMES = ("started", "ended", "pipeline_started")
 
@@ -70,14 +72,15 @@ def computed_seconds(metadata: Mapping[str, Any], since: float) -> float | None:
     return None
 
 
-def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
-    """Record the start and overrides of a pipeline run; jobs from now on belong to it."""
+def note_start(plan: Path, overrides: Sequence[str] = (), forced: Iterable[str] = ()) -> None:
+    """Record beside its plan the start and overrides of a run, and recipes to compute again."""
     words = []
     for override in overrides:  # must not begin with a quote: --config strips quotes at both ends
         name, equals, value = override.partition("=")
         quoted = equals and set(value) & set(" \t\n'\"\\")
         words.append(f"{name}={shlex.quote(value)}" if quoted else override)
-    files.write_atomic(artefacts / _START, f"{now()}\n{' '.join(words)}\n")
+    start = {"pipeline_started": now(), "overrides": " ".join(words), "forced": [*forced]}
+    files.write_json(plan.with_suffix(STARTED), start)
 
 
 def config_option(overrides: str) -> str:
@@ -86,20 +89,32 @@ def config_option(overrides: str) -> str:
     return f" --config hydra={shlex.quote(asked)}" if overrides else ""
 
 
-def pipeline_metadata(artefacts: Path) -> dict[str, str]:
-    """``commit`` and ``dirty``, and start and overrides of the pipeline run of a job."""
-    return revision() | _last_run(artefacts)
+def pipeline_metadata(plan: Path) -> dict[str, str]:
+    """``commit`` and ``dirty``, and start and overrides of the latest run of a plan, if any."""
+    return revision() | {n: text for n, text in _start(plan).items() if n != "forced"}
+
+
+def was_started(plan: Path) -> bool:
+    """Whether a plan was run."""
+    return plan.with_suffix(STARTED).exists()
+
+
+def forced_recipes(plan: Path) -> list[str]:
+    """Recipes that the latest run of a plan is to compute again."""
+    return _start(plan).get("forced", [])
 
 
 def last_robot(artefacts: Path) -> list[str]:
     """Overrides of the last pipeline run that concern the robot; empty before the first run."""
-    overrides = shlex.split(_last_run(artefacts).get("overrides", ""))
+    runs = sorted((artefacts / "plans").glob(f"*{STARTED}"), key=lambda path: path.stat().st_mtime)
+    overrides = [
+        text for path in runs[-1:] for text in shlex.split(_start(path).get("overrides", ""))
+    ]
     return [text for text in overrides if text.startswith(("robot=", "robot."))]
 
 
-def _last_run(artefacts: Path) -> dict[str, str]:
-    """Start and overrides of the last pipeline run; empty before the first run."""
-    if not (path := artefacts / _START).is_file():
-        return {}
-    started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
-    return ({"pipeline_started": started} if started else {}) | {"overrides": overrides.strip()}
+def _start(plan: Path) -> dict[str, Any]:
+    """What :func:`note_start` recorded beside a plan; empty if it was never run."""
+    with suppress(OSError, ValueError):
+        return json.loads(plan.with_suffix(STARTED).read_text("utf-8"))
+    return {}

@@ -17,7 +17,7 @@ from slider.artefacts.forecast import kind, size
 from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, Groups, code_of
-from slider.artefacts.run_metadata import now, pipeline_metadata
+from slider.artefacts.run_metadata import forced_recipes, now, pipeline_metadata
 from slider.artefacts.store import Store, exclusive
 from slider.core import files
 from slider.core.errors import UserError
@@ -29,9 +29,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Runner:
-    """Runs jobs with inputs from a store and publishes their results there; see :class:`Job`."""
+    """Runs jobs of a plan with inputs from a store and publishes their results there.
+
+    ``plan`` is its file; for the others see :class:`Job`.
+    """
 
     store: Store
+    plan: Path = Path()
     threads: int = 1
     progress: Callable[[str], None] = field(default=lambda message: None)
     waiting: int = 1
@@ -50,7 +54,8 @@ class Runner:
                 for name, jobs in spec.inputs.items()
             }
             key, outcome = spec.key(objects), "reused"
-            manifest = self.store.find(key)
+            forced = spec.recipe in forced_recipes(self.plan)
+            manifest = None if forced else self.store.find(key)
             if manifest is None:
                 began = time.perf_counter()
                 result = self._compute(spec, objects)
@@ -117,7 +122,7 @@ class Runner:
             self.threads,
             MetricsFile(self.store.metrics_path(spec.stage, spec.recipe).absolute()),
             self.progress,
-            pipeline_metadata(self.store.root),
+            pipeline_metadata(self.plan),
             self.store.cache_folder(code).absolute(),
             self.waiting,
             {

@@ -29,7 +29,6 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.plan import JobSpec
 from slider.artefacts.run_metadata import validate_metadata
 from slider.core import files
 from slider.core.errors import UserError, not_read
@@ -195,15 +194,6 @@ class Store:
     def _whole(self, path: Path) -> Manifest | None:
         manifest = readable(path)
         return manifest if manifest and self.is_intact(manifest.result.object) else None
-
-    def input_objects(self, job: JobSpec) -> dict[str, list[str]]:
-        """Objects of the inputs of a job; an empty string for those that are not intact."""
-
-        def objects(jobs: Iterable[JobSpec]) -> list[str]:
-            whole = (self.verify(item.stage, item.recipe) for item in jobs)
-            return [manifest.result.object if manifest else "" for manifest in whole]
-
-        return {name: objects(jobs) for name, jobs in job.inputs.items()}
 
     def require(self, stage: str, recipe: str) -> Manifest:
         """Manifest of a recipe, after a check that its object is intact.

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     with _output_to(log) as terminal:
         try:
-            outcome = Runner(store, arguments.threads, show, waiting).run(spec)
+            outcome = Runner(store, arguments.plan, arguments.threads, show, waiting).run(spec)
             print(f"{spec.label}: {outcome}")
         except Exception as error:
             own = error if isinstance(error, UserError) else None

@@ -73,6 +73,9 @@ def study_job(
         one_of(f"{key}.metrics", metric, metrics)
     controllers = study.evaluation.controllers if study.evaluation else []
     variants = list(_variants(config, study, overrides, conf, key))
+    if study.training is not None:
+        tuned = [v.name for v in variants if v.config and v.config.finetuning]
+        require(not tuned, f"{key}.training", "variants without finetuning", ", ".join(tuned))
     keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
     inputs: dict[str, list[JobSpec]] = {}
     keys: dict[str, list[list[Any]]] = {}
@@ -170,7 +173,7 @@ def _jobs(
         standing = _trained(train.standing, budget.pretraining_samples, budget, seed)
         walking = _trained(train.walking, budget.samples, budget, seed)
         trainings = replace(train, standing=standing, walking=walking)
-        trained = replace(changed, train=trainings, finetuning=None)
+        trained = replace(changed, train=trainings)
         jobs = {"walking": training_jobs(trained, library, note)["walking"]}
         yield "walking", [variant.name, seed, _batch(walking)], jobs["walking"]
         yield from _evaluations(variant, seed, trained, protocol, jobs, note)

@@ -31,9 +31,9 @@ def test_no_reported_seed_is_chosen_by(experiment):
     seeds = study("seeds", experiment=given)
     final = drawn([jobs["table1"], *protocols.values(), seeds])
 
-    changes, run = (FINETUNED, "evaluation=development"), "[default,without_pretraining]"
-    compared = study("ablation", *changes, f"study.ablation.run={run}", experiment=given)
-    tuned = composed(given, *changes)
+    chosen_by, run = "evaluation=development", "study.ablation.run=[default,without_pretraining]"
+    compared = study("ablation", chosen_by, run, experiment=given)
+    tuned = composed(given, chosen_by, FINETUNED)
     chosen = drawn([compared, table1_jobs(tuned)["table1"]])
     chosen |= {training.selection.seed for training in tuned.trainings.values()}
 

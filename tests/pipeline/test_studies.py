@@ -175,6 +175,7 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
     assert "reports/mine_curves.csv" not in opened.reports["mine"]
     assert before.keys() < opened.plan.jobs.keys()
     assert str(opened.plan_path) in opened.run
+    assert [*Path("artefacts/plans").iterdir()] == [opened.plan_path], "one plan per call"
 
 
 @pytest.mark.parametrize(
@@ -185,6 +186,10 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
         (
             "ablation.variants.default.overrides=['+env.observation.terms.nose=1.0']",
             "study.ablation.variants.default: env.observation.terms: expected some of",
+        ),
+        (
+            "ablation.variants.default.overrides=[finetuning=robust]",
+            "study.ablation.training: expected variants without finetuning, found default",
         ),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         (

@@ -25,7 +25,7 @@ from slider.library.reader import MAKE_LIBRARY, STORE
 
 
 class WalkingVectorEnv(VectorEnv):
-    """Environment of the walking training: N robots that track commanded velocities.
+    """Environment of the last training, walking or fine-tuning: N robots that track velocities.
 
     Observations (N, size), actions (N, 12) and rewards (N,) are those of the training with
     rsl_rl. A fall terminates an episode, its maximum length truncates it. The robot is reset in
@@ -61,16 +61,16 @@ class WalkingVectorEnv(VectorEnv):
         threads: int = 1,
     ) -> None:
         config = checked(compose(overrides, Path(conf)))
-        train = replace(config.train.walking, robots=num_envs)
-        if library is None and uses_library(config.env, train):
+        train = replace(config.finetuning or config.train.walking, robots=num_envs)
+        env = replace(config.env, sensing=train.sensing)
+        if library is None and uses_library(env, train):
             store = Store(Path(artefacts))
             library = current_folder(store, "library", MAKE_LIBRARY) / STORE
         path = None if library is None else Path(library)
-        self.task = task_of(config.robot, config.env, train, path)
+        self.task = task_of(config.robot, env, train, path)
         self._threads, self.num_envs = threads, num_envs
         self._start(train.seed)
-        size, action = len(self._observe()[0]), config.env.action
-        clip = config.env.observation.clip
+        size, action, clip = len(self._observe()[0]), env.action, env.observation.clip
         self.single_observation_space = Box(-clip, clip, (size,), np.float32)
         self.single_action_space = Box(-action.clip, action.clip, (12,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

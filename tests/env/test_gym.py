@@ -51,6 +51,18 @@ def test_an_episode_ends_by_its_length_and_starts_again():
     assert abs(env.reset()[0] - last).max() > 1e-3
 
 
+@pytest.mark.parametrize("change", ["experiment=robust", "train.walking.sensing=onboard"])
+def test_overrides_of_the_training_act_on_the_robot(change):
+    """A fine-tuning's disturbances, and the state that is estimated on board."""
+
+    def seen(*overrides: str) -> np.ndarray:
+        env = gymnasium.make(NAME, library=straight() / STORE, overrides=overrides)
+        env.reset(seed=1)
+        return [env.step(np.zeros(12, np.float32))[0] for _ in range(3)][-1]
+
+    assert abs(seen(change) - seen()).max() > 1e-4
+
+
 def test_without_gaits_says_how_to_make_them(tmp_path):
     with pytest.raises(UserError, match="snakemake -j2 gait_library"):
         gymnasium.make(NAME, artefacts=tmp_path)

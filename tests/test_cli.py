@@ -83,6 +83,12 @@ def test_no_kind_of_output_gives_a_trace(command):
     assert done.stderr == ""
 
 
+def test_ctrl_c_is_the_status_of_a_shell(monkeypatch, capsys):
+    monkeypatch.setattr("slider.commands.config.run", Mock(side_effect=KeyboardInterrupt))
+    assert main(["config"]) == 130
+    assert capsys.readouterr().err == ""
+
+
 def test_a_missing_right_is_one_line(monkeypatch, refused):
     error = PermissionError(errno.EACCES, "Permission denied", "artefacts/a")
     monkeypatch.setattr("slider.commands.config.run", Mock(side_effect=error))

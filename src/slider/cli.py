@@ -9,6 +9,7 @@ import argparse
 import importlib
 import io
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -58,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _require_own_folder()
         if name not in COMMANDS | INTERNAL:
             return _no_command(name)
-        if "--film" not in arguments:  # otherwise a renderer is not needed and may be broken
+        if not any(word.startswith("--film") for word in arguments):  # no renderer is needed
             os.environ.pop("MUJOCO_GL", None)
         place, text = (COMMANDS | INTERNAL)[name]
         place, _, function = place.partition(":")
@@ -70,6 +71,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except UserError as error:
         line = str(error)
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
     except BrokenPipeError:  # the reader has closed the pipe, such as `head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1

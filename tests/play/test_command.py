@@ -4,10 +4,12 @@ import socket
 import subprocess
 import sys
 import time
+from unittest.mock import Mock
 
 import pytest
 
 from slider.cli import main
+from slider.play.window import NoWindow
 from tests.config.composed import CONF
 
 AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*.yaml")), "zero"]
@@ -17,6 +19,14 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
     ("arguments", "message"),
     [
         ("--gait 0.6", "--gait: expected VX VY [YAW_RATE], found 1 values"),
+        ("--gait nan 0", "--gait: expected numbers, found [nan, 0.0]"),
+        ("hzd --library a.zarr", "--library: expected --gait, found none"),
+        ("zero --headless --film w.webp", "--headless: expected no --film, found one"),
+        (
+            "zero --film w.webp --set env.control_period=0.1 env.physics.substeps=20 "
+            "report.video.frame_rate=10",
+            "env.control_period: expected a whole part of 0.04 s, for a film, found 0.1",
+        ),
         ("zero --velocity 9 0 0", "--velocity: expected VX between -1 and 3, found 9"),
         ("zero --web --port 99999", "--port: expected a free port at 127.0.0.1, found 99999"),
         ("zero --film w.mp4", "--film: expected a name that ends with .webp, found w.mp4"),
@@ -49,6 +59,12 @@ def test_without_a_window_it_is_in_the_browser(machine, reason, capsys, monkeypa
     assert served == [("127.0.0.1", 0)]
     assert reason in capsys.readouterr().out
     assert capsys.readouterr().err == ""
+
+
+def test_the_browser_gets_no_port_that_there_is_not(refused, monkeypatch):
+    monkeypatch.setattr("slider.play.window.run", Mock(side_effect=NoWindow("no display")))
+    line = "slider: --port: expected a free port at 127.0.0.1, found 99999"
+    assert refused("play", "zero", "--port", "99999", "--conf", str(CONF)).startswith(line)
 
 
 def test_a_fall_is_status_1_and_leaves_no_log(tmp_path, monkeypatch, capsys):

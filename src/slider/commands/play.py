@@ -1,6 +1,7 @@
 """``slider play``: watch a policy, a controller of ``conf/control``, a gait or a smoke agent."""
 
 import argparse
+import math
 import os
 from functools import partial
 from pathlib import Path
@@ -119,6 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
             window.run(scene, control, arguments.seconds)
             return 0
         except window.NoWindow as reason:
+            check_port(arguments.port, arguments.host)
             print(f"{reason}: shown in a browser")
     from slider.play import web
 
@@ -130,9 +132,12 @@ def check(arguments: argparse.Namespace) -> None:
     """Reject invalid arguments."""
     count, seconds = len(arguments.gait or (0, 0)), arguments.seconds
     require(count in (2, 3), "--gait", "VX VY [YAW_RATE]", f"{count} values")
+    require(all(map(math.isfinite, arguments.gait or ())), "--gait", "numbers", arguments.gait)
+    require(arguments.gait or not arguments.library, "--library", "--gait", "none")
     require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)
     require(seconds is None or seconds > 0, "--seconds", "a positive number", seconds)
     require(arguments.film is not None or not arguments.tiles, "--tiles", "--film", "none")
+    require(not (arguments.headless and arguments.film), "--headless", "no --film", "one")
     if arguments.web:
         check_port(arguments.port, arguments.host)
 

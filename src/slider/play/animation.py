@@ -1,5 +1,6 @@
 """A motion as an animation, or several as tiles."""
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -55,8 +56,9 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     """
     require(path.suffix.lower() == ".webp", "--film", "a name that ends with .webp", path)
     length = _SECONDS if seconds is None else seconds
+    every = _every(scene)
     frames = loop.record(scene.motion, control, _WARM_UP + length)
-    fell, every = frames[-1].failed, round(1.0 / (_FRAME_RATE * scene.motion.period))
+    fell = frames[-1].failed
     shown = frames[::-every][::-1] if fell else frames[::every]
     first = 0 if fell else round(_WARM_UP * _FRAME_RATE)
     # The camera follows with a lag: it moves as the robot does only after a while.
@@ -75,7 +77,7 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
         scene = choose([f"{_TERRAIN}.kinds=[{tile.kind}]", f"{_TERRAIN}.level={level}"])
         tile = tile._replace(speed=min(tile.speed, scene.top))
         frames = _walk(scene, tile, _WARM_UP + length)
-        every = round(1.0 / (_FRAME_RATE * scene.motion.period))
+        every = _every(scene)
         # The camera follows with a lag: it begins to move a second before.
         shown = frames[round((_WARM_UP - 1.0) / scene.motion.period) :: every]
         rendered = _render(scene, shown, _TILE, (tile.camera,))
@@ -92,6 +94,15 @@ def run_tiles(choose: Callable[[list[str]], Scene], seconds: float | None, path:
     _write(pictures, path)
     print(f"{path}: a robot fell" if fallen else path)
     return int(fallen)
+
+
+def _every(scene: Scene) -> int:
+    """Control periods per picture."""
+    periods = 1.0 / (_FRAME_RATE * scene.motion.period)
+    whole = round(periods) >= 1 and math.isclose(periods, round(periods))
+    expected = f"a whole part of {1 / _FRAME_RATE:g} s, for a film"
+    require(whole, "env.control_period", expected, f"{scene.motion.period:g}")
+    return round(periods)
 
 
 def _render(

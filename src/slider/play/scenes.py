@@ -14,13 +14,13 @@ import torch
 from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
 from slider.config.env import EnvConfig
 from slider.config.hzd import enforced_section
-from slider.config.robot import RobotConfig
+from slider.config.robot import Mechanism, RobotConfig
 from slider.config.schema import Config
 from slider.control.exported import load_exported
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of, load_policy
-from slider.core.errors import one_of
+from slider.core.errors import one_of, require
 from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
@@ -113,8 +113,17 @@ def agent_scene(
 
 
 def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
-    """The gait of a library that is nearest to vx, vy [m/s], yaw rate [rad/s]; no physics."""
-    motion = Replay(GaitLibrary.load(path), velocity, config.env.control_period)
+    """The gait of a library that is nearest to vx, vy [m/s], yaw rate [rad/s]; no physics.
+
+    Raises:
+        UserError: the library is of another robot.
+    """
+    library = GaitLibrary.load(path)
+    own = [getattr(library.robot, part.name) for part in fields(Mechanism)]
+    expected = f"the gaits of the robot {config.robot.name}"
+    same = own == [getattr(config.robot, part.name) for part in fields(Mechanism)]
+    require(same, str(path), expected, "those of another")
+    motion = Replay(library, velocity, config.env.control_period)
     vx, vy, yaw_rate = motion.velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)

@@ -130,8 +130,9 @@ def test_the_commands(store, refused, capsys):
     lay_out(store, plan_of(trials=3))
     text = "  table: trials 10 → 3\n"
     assert "targets: library, table1" in refused("why", "x", *place)
-    assert main(["why", "reports/table1.csv", *place]) == 0
-    assert capsys.readouterr().out == f"table1: 1 to compute\n{text}"
+    for report in ("table1.csv", "gait_quality.md", "figures/tradeoff.svg"):
+        assert main(["why", f"reports/{report}", *place]) == 0
+        assert capsys.readouterr().out == f"table1: 1 to compute\n{text}"
     assert main(["diff", "previous", "latest", *place]) == 1
     assert capsys.readouterr().out == f"table1: 1 cause of a difference\n{text}"
     lay_out(store, first)

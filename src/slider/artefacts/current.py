@@ -9,7 +9,8 @@ from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
-ALIASES = {"policy": "walking", "gait_library": "library", "index": "report"}
+ALIASES = {"policy": "policy_export", "gait_library": "library", "index": "report"}
+ALIASES |= {"gait_quality": "table1", "tradeoff": "table1", "gauge_cells": "gauge"}
 """Report name → target name, where the two differ."""
 
 
@@ -38,7 +39,8 @@ def find_target(text: str, plan: Plan) -> str:
     Raises:
         UserError: the plan has no such target.
     """
-    for name in (text, Path(text).stem):
+    stem = Path(text).stem
+    for name in (text, stem, stem.removesuffix("_runs").removesuffix("_curves")):
         if (target := ALIASES.get(name, name)) in plan.targets:
             return target
     targets = ", ".join(plan.targets)

@@ -49,7 +49,7 @@ def run(tracking: Tracking, store: Store, job: JobSpec, computed: bool = True, *
 def end(tracking: Tracking, store: Store, job: JobSpec, computed: bool = True, **texts) -> None:
     ended = datetime.now(UTC).isoformat()
     facts = {"computed": computed, "ended": ended, "wall_s": 2.5, "solve_cpu": 0.5}
-    compute(store, job, "", {"n": 1.5, "status": "good"}, facts, **texts)
+    compute(store, job, "", {"n": 1.5, "status": "good", "rate": {"hzd": 1.0}}, facts, **texts)
     tracking.ended(job.recipe)
 
 
@@ -99,7 +99,7 @@ def test_a_pipeline_is_a_run_and_each_computed_job_a_child(tracked):
     assert library.data.tags.items() >= tags.items()
     history = client.get_metric_history(library.info.run_id, "reward")
     assert [(one.step, one.value) for one in history] == [(k, k / 2) for k in range(1501)]
-    numbers = {"n": 1.5, "run/wall_s": 2.5, "run/solve_cpu": 0.5}
+    numbers = {"n": 1.5, "rate/hzd": 1.0, "run/wall_s": 2.5, "run/solve_cpu": 0.5}
     assert library.data.metrics.items() >= numbers.items()
     names = {item.path for item in client.list_artifacts(library.info.run_id)}
     assert names == {"gaits.json", "table.csv"}

@@ -184,7 +184,8 @@ class Tracking:
         job, store, client = run.job, self._store, self._client
         result = store.read_manifest(job.stage, job.recipe).result
         of_run = {f"run/{name}": value for name, value in _numbers(metadata).items()}
-        noted = _numbers(result.summary) | of_run
+        summary = {name.replace(".", "/"): value for name, value in flatten(result.summary).items()}
+        noted = _numbers(summary) | of_run
         folder = store.object_folder(result.object)
         path = folder.relative_to(store.root).as_posix()
         names = sorted({name.partition("/")[0] for name in result.files})

@@ -119,6 +119,15 @@ def test_the_overview_has_median_and_range_of_the_trainings(capsys):
     assert lines[10].startswith("Made by `snakemake -j2 reports/table1.csv reports/seeds.csv`")
 
 
+def test_seeds_at_other_speeds_than_table_1_are_one_line(capsys):
+    Path("reports/table1.csv").write_text(f"{HEAD}policy,ours,measured,0.4,1,1,9,9\n")
+    Path("reports/seeds.csv").write_text("v\n")
+    Path("reports/seeds_runs.csv").write_text(RUNS)
+    filled("overview", status=1)
+    line = "seeds_runs.csv: expected the speeds of table1.csv, [0.4], found [0.2]"
+    assert line in capsys.readouterr().err
+
+
 def test_trainings_have_an_interval_to_the_mpc():
     Path("reports/table1.csv").write_text(f"{HEAD}mpc_wbc_tuned,MPC,measured,0.2,1,1,0.0001,1\n")
     Path("reports/seeds.csv").write_text("v\n")

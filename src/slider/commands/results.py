@@ -28,7 +28,7 @@ from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.control import ONBOARD, POLICY_LABEL
 from slider.core import files
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.core.quantities import speed_text
 from slider.core.tables import Table, read
 from slider.reports.provenance import in_order, stage_title
@@ -205,6 +205,7 @@ def overview(report: Path) -> str:
     """The summary, with median and range of the policy over trainings with several seeds."""
     frame, runs = _summarised(report), read(report.with_name("seeds_runs.csv"))
     speeds, mine = runs.groupby("speed"), frame["controller"] == "policy"
+    _check_speeds(frame[mine], runs)
     values = speeds[[*_RATES]].min().assign(**{_ERROR: speeds[_ERROR].median()})
     frame.loc[mine, [*values]] = values.loc[frame.loc[mine, "speed"]].to_numpy()
     frame.loc[mine, "label"] += f", median of {runs['seed'].nunique()} trainings"
@@ -244,12 +245,19 @@ def trainings(report: Path) -> str:
     """Difference between the mean over trainings with several seeds and the tuned MPC."""
     runs = read(report.with_name("seeds_runs.csv"))
     mpc = read(report.with_name("table1.csv")).query("controller == 'mpc_wbc_tuned'")
+    _check_speeds(mpc, runs)
     rows, mpc, speeds = [], mpc.set_index("speed"), runs.groupby("speed")
     for name in ("success_rate", _ERROR):
         shown = QUANTITIES[name]
         away = (_interval(mine - mpc.at[v, name], shown.text) for v, mine in speeds[name])
         rows.append([shown.heading, *away])
     return Table(["command [m/s]", *map(speed_text, speeds.groups)], rows).markdown
+
+
+def _check_speeds(frame: pd.DataFrame, runs: pd.DataFrame) -> None:
+    """Reject runs of a study at other speeds than those of Table 1."""
+    ours, theirs = (sorted(set(values["speed"])) for values in (frame, runs))
+    require(ours == theirs, "seeds_runs.csv", f"the speeds of table1.csv, {ours}", theirs)
 
 
 def _interval(differences: pd.Series, text: Callable[[float], str]) -> str:

@@ -2,11 +2,13 @@
 
 import importlib.util
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from snakemake.cli import parse_args
 
 from tests.config.composed import composed
 
@@ -82,3 +84,11 @@ def test_builds_without_a_broken_link(tmp_path):
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "configuration.html").read_text()
     assert "gait.posture.clearance" in page
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_snakemake_takes_the_commands_of_a_page(page):
+    lines = re.findall(r"^\s*(?:\d\. Run `)?snakemake (-[^`\n]*)", page.read_text(), re.M)
+    for line in lines:
+        _, arguments = parse_args(shlex.split(line, comments=True))
+        assert arguments.targets or arguments.dryrun or arguments.unlock, line

@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise UserError(f"{expected}: run a pipeline with tracking.enabled=true")
     check_port(arguments.port, HOST)
     print(f"open http://{HOST}:{arguments.port}/#{latest.read_text('utf-8')}", flush=True)
-    command = [sys.executable, "-m", "mlflow", "ui", "--workers", "1", "--host", HOST]
+    command = [sys.executable, "-I", "-m", "mlflow", "ui", "--workers", "1", "--host", HOST]
     command += ["--port", str(arguments.port), "--backend-store-uri", f"sqlite:///{database}"]
     os.execve(sys.executable, command, os.environ | _SETTINGS)
 

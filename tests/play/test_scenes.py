@@ -10,11 +10,12 @@ from slider.artefacts.run_metadata import note_start
 from slider.commands.play import add_arguments, choose
 from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.play import scenes
 from slider.play.scenes import Replay
-from tests.config.composed import CONF
+from tests.config.composed import CONF, composed
 from tests.control.policies import write_policy
+from tests.library.gaits import straight
 
 SAMPLES = 10
 
@@ -59,6 +60,14 @@ def test_the_robot_is_that_of_the_last_pipeline_run(arguments, name, tmp_path):
     (tmp_path / "a robot.yaml").write_text("defaults: [slider, _self_]\nname: mine\n")
     robot = scene("zero", "--artefacts", str(tmp_path), *arguments).robot
     assert (robot.name, robot.links.base.mass) == (name, 3.0 if name == "mine" else 2.25)
+
+
+def test_gaits_of_another_robot_are_refused():
+    path = straight() / STORE
+    other = f"robot={CONF.parent}/docs/examples/robots/bruce"
+    with pytest.raises(UserError, match="expected the gaits of the robot BRUCE, found those of"):
+        scenes.gait_scene(path, [0.4, 0.0, 0.0], composed(other))
+    assert scenes.gait_scene(path, [0.4, 0.0, 0.0], composed()).robot == composed().robot
 
 
 def library(*velocities: tuple[float, float, float]) -> GaitLibrary:

@@ -1,9 +1,10 @@
 # make table1                            Table 1 of our controller
 # make table1 HYDRA="experiment=smoke"   with overrides of the configuration
 # make demo                              the robot walks, in a window or the browser
+# make demo POLICY=docs/policy-outdoor   a policy for slopes and stairs
 # make report                           one page about everything, with videos
 # make results                          fill the result tables of README.md and docs/ from reports/
-# make policy                            train, evaluate and ship docs/policy/
+# make policy                            train, evaluate and ship docs/policy, or POLICY
 # make animation                         the film at the top of README.md, of docs/policy
 # make docs                             the documentation as a site
 # make install                           what tests, checks of gaits and editors need, too
@@ -13,6 +14,7 @@ PYTHON ?= python3
 # Known once the environment is there, as recipes are.
 CORES ?= $(shell $(VENV)/bin/python -I -c 'from slider.core.machine import cores; print(cores())')
 HYDRA ?=
+POLICY ?= docs/policy
 VENV := .venv
 # A module: the first line of a script cannot name every folder. Isolated from PYTHON* and from files here.
 RUN := $(VENV)/bin/python -I -m
@@ -37,7 +39,7 @@ table1: $(STAMP)
 	$(RUN) snakemake -j$(CORES) reports/table1.csv --config "hydra=$$HYDRA"
 
 demo: $(STAMP)
-	$(RUN) slider.cli play --policy docs/policy --set robot=slider
+	$(RUN) slider.cli play --policy $(POLICY) --set robot=slider
 
 report: $(STAMP)
 	$(RUN) snakemake -j$(CORES) reports/index.html --config "hydra=$$HYDRA"
@@ -48,11 +50,11 @@ results: $(STAMP) # tables of README.md and docs/, from the finished runs in rep
 SHIPPED := policy.onnx estimator.onnx policy.json robot.xml
 policy: $(STAMP)
 	$(RUN) snakemake -j$(CORES) policy reports/table1.csv --config "hydra=$$HYDRA"
-	cp $(SHIPPED:%=reports/policy/%) docs/policy
-	$(RUN) slider.cli results docs/policy/README.md
+	cp $(SHIPPED:%=reports/policy/%) $(POLICY)
+	$(RUN) slider.cli results $(POLICY)/README.md
 
 animation: $(STAMP)
-	$(RUN) slider.cli play --policy docs/policy --set robot=slider --tiles --film $(VENV)/walk.webp
+	$(RUN) slider.cli play --policy $(POLICY) --set robot=slider --tiles --film $(VENV)/walk.webp
 	mv $(VENV)/walk.webp docs/images/walk.webp
 
 docs: $(STAMP) # site/; a broken link is an error

@@ -22,7 +22,7 @@ from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
 from tests.config.composed import CONF
 from tests.control.policies import exported, make_policy, write_policy
-from tests.env.synthetic import config, motor_angles
+from tests.env.synthetic import TRANSMISSION, config
 
 SETTINGS = config("experiment=test").env.estimator
 
@@ -72,7 +72,7 @@ def test_the_model_steps_like_the_simulated_one(folder):
     feet, tubes = {"left_foot", "right_foot"}, {"left_tube", "right_tube"}
     rng = np.random.default_rng(0)
     for qpos, touching in ((air, set()), (standing, feet | {"floor"}), (crossed, tubes)):
-        qvel, inputs = 0.1 * rng.standard_normal(18), motor_angles(qpos[7:])
+        qvel, inputs = 0.1 * rng.standard_normal(18), TRANSMISSION.angles(qpos[7:])
         inputs = inputs + 0.2 * rng.standard_normal(10)
         ends = []
         for each in (plant, model):

@@ -11,7 +11,7 @@ from slider.control.deployment import estimator_step, policy_step
 from slider.control.layout import describe, metadata
 from slider.env.observations import TERMS
 from tests.control.policies import make_policy
-from tests.env.synthetic import JOINTS, MOTORS, config, motor_angles
+from tests.env.synthetic import JOINTS, MOTORS, TRANSMISSION, config
 
 SETTINGS = config("experiment=test").env.estimator
 
@@ -85,4 +85,4 @@ def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():
         sum(share * named[joint] for joint, share in motor["joints"].items())
         for motor in contract(make_policy())["motors"]
     ]
-    np.testing.assert_allclose(angles, motor_angles(targets), rtol=1e-12)
+    np.testing.assert_allclose(angles, TRANSMISSION.angles(targets), rtol=1e-12)

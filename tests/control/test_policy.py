@@ -115,21 +115,15 @@ def test_an_observation_that_never_varied_is_not_scaled():
     torch.testing.assert_close(network.std, expected + NORMALISER_EPSILON)
 
 
-def watched(agent, value) -> tuple[PolicyController, list[torch.Tensor]]:
-    """A controller that does nothing, and a list of what ``value()`` is when it observes."""
-    seen = []
-
-    def network(observations: torch.Tensor) -> torch.Tensor:
-        seen.append(value().clone())
-        return torch.zeros(len(observations), 12)
-
-    return PolicyController(network, agent), seen
-
-
 def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
     agent = make_agent(2, "env.reference.acceleration=2.0")  # 0.04 m/s in a period
-    controller, seen = watched(agent, lambda: agent.clock.phase)
-    state = make_state(2, yaw=[0.4, -0.4])
+    seen, state = [], make_state(2, yaw=[0.4, -0.4])
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        seen.append(agent.clock.phase.clone())
+        return torch.zeros(len(observations), 12)
+
+    controller = PolicyController(network, agent)
     for _ in range(2):  # a second rollout starts anew
         controller.reset(state, np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]]))
         np.testing.assert_allclose(agent.command[:, 3], 0.0, atol=1e-12)
@@ -142,16 +136,3 @@ def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
     expected = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     np.testing.assert_allclose(phases[:4], expected, atol=1e-9)
     np.testing.assert_array_equal(phases[4:], phases[:4])
-
-
-def test_a_new_command_counts_from_the_next_observation_on():
-    """As in training: the period that is over turned the heading by the old yaw rate."""
-    agent, state = make_agent(1), make_state(1)
-    controller, seen = watched(agent, lambda: agent.command)
-    controller.reset(state, np.array([[0.4, 0.0, 0.5]]))
-    controller.control(state)
-    controller.set_velocity(np.array([[0.2, 0.1, 0.0]]))
-    for _ in range(2):
-        controller.control(state)
-    np.testing.assert_allclose([command[0, 0] for command in seen], [0.4, 0.2, 0.2])
-    np.testing.assert_allclose([command[0, 3] for command in seen], [0.0, 0.01, 0.01])

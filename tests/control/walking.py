@@ -1,5 +1,7 @@
 """Rollouts of the model-based controllers in the simulator."""
 
+from functools import cache
+
 import numpy as np
 
 from slider.config.control import AnyControl
@@ -7,6 +9,7 @@ from slider.config.env import StartNoise
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.whole_body.controller import WalkingController
+from slider.control.whole_body.model import NominalModel
 from slider.env.disturbance import Disturbance
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
@@ -16,6 +19,11 @@ COUNT = 2
 STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 Segment = tuple[float, tuple[float, float, float]]
 """How long [s], and the velocity."""
+
+
+@cache
+def nominal() -> NominalModel:
+    return NominalModel(robot_config())
 
 
 def walk(

@@ -33,6 +33,7 @@ from slider.robot.names import (
     mirror_sign,
     motor_names,
 )
+from slider.robot.transmission import Transmission
 from tests.config.composed import composed
 
 PERMUTATION = np.array(MIRROR_PERMUTATION)
@@ -58,30 +59,7 @@ def robot_config() -> RobotConfig:
 GEOMETRY = robot_config().geometry
 JOINTS, MOTORS, CHANNELS = joint_names(GEOMETRY), motor_names(GEOMETRY), channels(GEOMETRY)
 SIGN = np.array(mirror_sign(GEOMETRY))
-
-
-DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan", "capstan") * 2
-TORQUE_LIMITS = np.array([robot_config().drives[name].torque for name in DRIVES])  # [N m]
-
-
-def motor_angles(joints: np.ndarray) -> np.ndarray:
-    """Motor angles or speeds (..., 10) of joint positions or speeds (..., 12), by hand."""
-    return _capstan(joints, 1 / 0.025, 1 / 0.35)
-
-
-def motor_torques(efforts: np.ndarray) -> np.ndarray:
-    """Motor torques (..., 10) of joint efforts (..., 12), by hand."""
-    return _capstan(efforts, 0.025 / 2, 0.35 / 2)
-
-
-def _capstan(values: np.ndarray, of_slide: float, of_ankle: float) -> np.ndarray:
-    legs = []
-    for leg in (values[..., :6], values[..., 6:]):
-        slide, foot = of_slide * leg[..., 3:4], of_ankle * leg[..., 4:5]
-        legs += [leg[..., :3], slide + foot, slide - foot]
-    return np.concatenate(legs, axis=-1)
-
-
+TRANSMISSION = Transmission.of(robot_config())
 VELOCITIES = ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1))
 
 
@@ -308,7 +286,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         state=state,
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
-        torque_limits=TORQUE_LIMITS,
+        torque_limits=TRANSMISSION.torque,
         period=0.02,
         scan=HeightScan(15, 12, 0.1),
         **values,

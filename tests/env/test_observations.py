@@ -36,13 +36,6 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
         assert (reflected - plain).abs().max() > 1e-2
 
 
-def test_only_the_asked_robots_are_reflected():
-    see, some = observer(*TERMS), torch.arange(COUNT) % 2 == 0
-    mixed, plain, full = (see(random_view(COUNT), which) for which in (some, NOBODY, ~NOBODY))
-    np.testing.assert_array_equal(mixed[some], full[some])
-    np.testing.assert_array_equal(mixed[~some], plain[~some])
-
-
 def test_values_by_hand():
     state = make_state(1, joint_positions=np.arange(12) / 10, base_position=[[1.0, 2.0, 0.7]])
     view = make_view(

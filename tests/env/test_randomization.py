@@ -5,7 +5,7 @@ import pytest
 
 from slider.robot import names
 from slider.robot.mjcf import Actuation
-from tests.env.synthetic import TORQUE_LIMITS, disturbed_physics, momentum, stand
+from tests.env.synthetic import TRANSMISSION, disturbed_physics, momentum, stand
 
 COUNT = 20
 GRAVITY = 9.81
@@ -79,4 +79,4 @@ def test_motor_gain_scales_the_achieved_torque(actuation: Actuation):
     limits = np.array([model.actuator_forcerange[:, 1] for model in varied.models])
     np.testing.assert_allclose(ratio, limits / exact.model.actuator_forcerange[:, 1], rtol=1e-6)
     assert 0.9 <= ratio.min() < 0.93 < 1.07 < ratio.max() <= 1.1
-    np.testing.assert_allclose(np.abs(torques[1][2]), TORQUE_LIMITS, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(torques[1][2]), TRANSMISSION.torque, rtol=1e-9)

@@ -116,7 +116,6 @@ def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
     [
         ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
         ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
-        ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
     ],
 )
 def test_every_mistake_is_one_line(override, message, refused):

@@ -187,16 +187,11 @@ def test_on_another_robot_the_policy_keeps_its_own_model(walking, tmp_path, roll
 
 
 def baseline(controller: str = "mpc_wbc_tuned", **changes) -> dict:
-    whole = config(*WHOLE)
-    env = to_dict(whole.env)
-    return {
-        "robot": to_dict(whole.robot),
-        "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
-        "control": to_dict(whole.control[controller]),
-        "evaluation": to_dict(replace(whole.evaluation, **changes)),
-        "controller": controller,
-        "case": to_dict(at_speed(0.2)),
-    }
+    values, whole = section(**changes), config(*WHOLE)
+    env = values.pop("env")
+    plant = {name: env[name] for name in ("control_period", "physics", "termination")}
+    control = to_dict(whole.control[controller])
+    return values | {"plant": plant, "control": control, "controller": controller}
 
 
 def test_the_baseline_walks_and_its_records_are_those_of_the_policy(tmp_path):

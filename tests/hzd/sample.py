@@ -1,8 +1,8 @@
 """A library of two real gaits, one with the clock and one with the hip for a phase."""
 
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -76,22 +76,12 @@ def zero(gait: int) -> ZeroDynamics:
     return linearise(loop(), one(gait), points()[:, [gait]])
 
 
-@dataclass(frozen=True)
-class WholeMap:
-    """Return map of a gait in all 22 states, derived apart from the zero dynamics' directions.
-
-    Attributes:
-        derivatives, placements: DP (2, 22, 22) and ∂P/∂b (2, 22, 2).
-        projection: Z (2, r, 22): ξ of the state on the zero dynamics with the same future.
-    """
-
-    derivatives: np.ndarray
-    placements: np.ndarray
-    projection: np.ndarray
-
-
 @shared.shared
-def whole(gait: int) -> WholeMap:
+def whole(gait: int) -> SimpleNamespace:
+    """Return map of a gait in all 22 states: DP (2, 22, 22), ∂P/∂b (2, 22, 2) and Z (2, r, 22).
+
+    Derived apart from the zero dynamics' directions; Z x is ξ on them with the same future.
+    """
     size, slopes = settings().linearisation.difference, []
     for plan, x in zip(one(gait), points()[:, [gait]], strict=True):
 
@@ -102,7 +92,11 @@ def whole(gait: int) -> WholeMap:
     landed, seen = np.split(np.stack(slopes), [STATE], axis=1)
     now = zero(gait).by_state[:, 0, middle(loop())]
     future = seen.reshape(2, -1, 4, STATE + 2)[:, middle(loop()), : now.shape[1], :STATE]
-    return WholeMap(landed[..., :STATE], landed[..., STATE:], np.linalg.solve(now, future))
+    return SimpleNamespace(
+        derivatives=landed[..., :STATE],
+        placements=landed[..., STATE:],
+        projection=np.linalg.solve(now, future),
+    )
 
 
 HOLE = (0.9, 0.0, 0.0)

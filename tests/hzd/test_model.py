@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from slider.gait.outputs import ANKLE, LEG, driven_signs, stance_first
-from slider.hzd.model import Batch, RootedModel
+from slider.hzd.model import RootedModel
 from slider.robot import names
 from tests.gait.gaits import config
 from tests.robot.lopsided import turned
@@ -62,21 +62,3 @@ def test_a_displaced_foot_keeps_its_height_pitch_and_yaw():
             place(q[0] + np.r_[0.0, sign * size * matrix[:, k]]).full()[:, 0] for sign in (1, -1)
         )
         np.testing.assert_allclose((ahead - behind) / (2 * size), np.eye(5)[k], atol=1e-7)
-
-
-def test_matrices_and_columns_of_any_number_of_rows():
-    x, y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
-    results = [ca.sin(x) * y[0], x @ y.T, ca.vertcat(y[1] ** 2, 0)]
-    batch, single = Batch([x, y], results), ca.Function("single", [x, y], results)
-    rng = np.random.default_rng(0)
-    kept = []
-    for n in (1, 4, 2, 0):
-        a, b = rng.normal(size=(n, 3)), rng.normal(size=(2, n)).T  # the second not in C's order
-        found = batch(a, b)
-        kept.append((found[0], found[0].copy()))
-        assert [part.shape for part in found] == [(n, 3), (n, 3, 2), (n, 2)]
-        for row in range(n):
-            for part, expected in zip(found, single(a[row], b[row]), strict=True):
-                np.testing.assert_array_equal(part[row], expected.full().reshape(part[row].shape))
-    for values, before in kept:  # results stay when it is called again
-        np.testing.assert_array_equal(values, before)

@@ -9,7 +9,7 @@ import numpy as np
 
 from slider.config.convert import to_dict
 from slider.core.job import Job
-from slider.library.reader import ARRAYS, GaitLibrary
+from slider.library.reader import ARRAYS, GaitLibrary, labels
 from slider.library.stage import run
 from tests import shared
 from tests.config.composed import composed
@@ -19,21 +19,10 @@ SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
 MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
 ROBOT = {name: to_dict(composed().robot)[name] for name in MECHANISM}
 Velocities = Sequence[tuple[float, ...]]  # vx, vy [m/s] and, if it is not zero, yaw rate [rad/s]
+SIZES = {"sample": SAMPLES, "node": HALF, "coefficient": 9}
+SIZES |= {axis: len(names) for axis, names in labels(composed().robot.geometry).items()}
 SHAPES = {
-    "samples": (SAMPLES, 26),
-    "time": (SAMPLES,),
-    "step_time": (2,),
-    "base": (SAMPLES, 13),
-    "contact": (SAMPLES, 2),
-    "coefficients": (2, 10, 9),
-    "roll": (2, HALF, 3),
-    "decoupling": (SAMPLES, 2),
-    "knee_positions": (SAMPLES, 10),
-    "knee_velocities": (SAMPLES, 10),
-    "knee_torques": (SAMPLES, 10),
-    "efforts": (SAMPLES, 12),
-    "ground_wrench": (SAMPLES, 6),
-    "swing_foot": (SAMPLES, 3),
+    name: tuple(map(SIZES.get, array.axes)) for name, array in ARRAYS.items() if name not in SCALARS
 }
 
 
@@ -51,9 +40,8 @@ def value(name: str, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
 
 def write_gait(folder: Path, vx: float, vy: float, yaw_rate: float = 0.0, **report: object) -> Path:
     folder.mkdir(parents=True)
-    for name in ARRAYS:
-        if name not in SCALARS:
-            np.save(folder / f"{name}.npy", value(name, vx, vy, yaw_rate))
+    for name in SHAPES:
+        np.save(folder / f"{name}.npy", value(name, vx, vy, yaw_rate))
     facts = {"vx": vx, "vy": vy, "yaw_rate": yaw_rate, "cost": 1e4 * (1 + vx)}
     facts |= {"status": "Solve_Succeeded", "converged": True, "iterations": 30}
     facts |= {"cost_unit": "N² m²/s", "max_violation": 1e-9}

@@ -45,16 +45,6 @@ def test_between_gaits_it_is_linear(table):
     np.testing.assert_allclose(times, 0.42 - 0.05 * np.array([0.73, 1.5]), atol=1e-9)
 
 
-def test_it_does_not_blend_across_the_touchdown(table):
-    """Samples 20 and 21 are the same instant, before and after the impact."""
-    samples = value("samples", 0.5, 0.0)
-    before, after = look_up(table, 0.5, 0.0, 0.5 - 1e-9), look_up(table, 0.5, 0.0, 0.5)
-    np.testing.assert_allclose(before[:26], samples[HALF - 1], atol=1e-6)
-    np.testing.assert_allclose(after[:26], samples[HALF], atol=1e-12)
-    end = look_up(table, 0.5, 0.0, 1 - 1e-9)
-    np.testing.assert_allclose(end[:26], samples[-1], atol=1e-6)
-
-
 def test_quaternions_are_unit_and_do_not_cancel(library):
     flipped = library.arrays["base"].copy()
     flipped[::2, :, 3:7] *= -1  # q and −q are the same attitude
@@ -64,19 +54,6 @@ def test_quaternions_are_unit_and_do_not_cancel(library):
     found = GaitTable.from_library(other).at(velocities, rng.uniform(0, 1, 100))[:, 29:33]
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, atol=1e-12)
     assert (np.abs(found[:, 0]) > 0.99).all()
-
-
-def test_joints_and_channels_are_parts_of_the_reference(table):
-    velocity = np.array([(0.0, 0.05, 0.0), (0.73, 0.04, 0.2), (1.5, 0.0, -0.1)])
-    phase = np.array([0.13, 0.49, 0.87])
-    np.testing.assert_array_equal(
-        table.joints.at(velocity, phase), table.at(velocity, phase)[:, :12]
-    )
-    channels = table.channels(velocity)
-    assert channels.shape == (3, 42, 26)
-    starts = table.at(velocity, np.zeros(3))[:, :26]
-    np.testing.assert_allclose(channels[:, 0], starts, atol=1e-12)
-    np.testing.assert_allclose(channels[0], value("samples", 0.0, 0.05), atol=1e-9)
 
 
 def test_standing_is_between_the_two_changes_of_feet_and_at_rest(table):

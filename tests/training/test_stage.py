@@ -8,7 +8,6 @@ import pytest
 from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
-from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.training import trainer
 from slider.training.trainer import run_walking
@@ -73,9 +72,3 @@ def test_a_training_runs_in_its_simulator(tmp_path, monkeypatch):
     monkeypatch.setattr(trainer, "simulator", lambda _: Mock(side_effect=KeyError))
     with pytest.raises(KeyError):
         run_walking(section(*ALONE), {}, tmp_path, Job(tmp_path))
-
-
-def test_a_guide_without_a_library_is_refused(tmp_path):
-    expected = r"^reward: expected a gait library for its guide terms, found none$"
-    with pytest.raises(UserError, match=expected):
-        run_walking(section(*ALONE, "train/walking/reward=default"), {}, tmp_path, Job(tmp_path))

@@ -2,7 +2,6 @@
 
 from copy import copy
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -12,11 +11,12 @@ from slider.control.hzd.motion import com_state
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.controller import PlantModel
 from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
-from slider.control.whole_body.model import Dynamics, NominalModel
+from slider.control.whole_body.model import Dynamics
 from slider.evaluation.gait_walks import first_samples
 from slider.hzd.regulator import regulate
 from slider.robot.mjcf import nominal_qpos
 from tests.control.hzd.test_controller import controlled, gaits, integrating
+from tests.control.walking import nominal
 from tests.env.synthetic import config, robot_config
 from tests.hzd.sample import CLOCK, HIP, VELOCITIES, library, settings, zero
 
@@ -26,15 +26,10 @@ TICK = 0.005  # [s]
 CONTROL = config().control["hzd"]
 
 
-@cache
-def model() -> NominalModel:
-    return NominalModel(robot_config())
-
-
 def standing() -> Dynamics:
     """At rest in the nominal pose."""
     qpos = np.tile(nominal_qpos(robot_config()), (COUNT, 1))
-    return model().evaluate(qpos, np.zeros((COUNT, 18)))
+    return nominal().evaluate(qpos, np.zeros((COUNT, 18)))
 
 
 def walking(
@@ -158,7 +153,7 @@ def test_a_perturbed_step_ends_as_in_the_return_map(gait):
         physics.step(controller.control(state))
         state = physics.read()
         landed = memory.steps > before
-        dynamics = model().evaluate(state.qpos, state.qvel)
+        dynamics = nominal().evaluate(state.qpos, state.qvel)
         ends[landed] = com_state(dynamics, memory.stance)[landed]
         if (memory.steps == 2).all():
             break

@@ -4,31 +4,26 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.whole_body.model import NominalModel
-from tests.env.synthetic import random_pose, robot_config
+from tests.control.walking import nominal
+from tests.env.synthetic import random_pose
 
 EPS = 1e-6
 
 
-@pytest.fixture(scope="module")
-def nominal() -> NominalModel:
-    return NominalModel(robot_config())
-
-
-def moved(nominal: NominalModel, qpos: np.ndarray, qvel: np.ndarray, time: float) -> np.ndarray:
+def moved(qpos: np.ndarray, qvel: np.ndarray, time: float) -> np.ndarray:
     """Positions after ``time`` at constant generalised velocity: q̈ = 0."""
     result = qpos.copy()
     for row, rate in zip(result, qvel, strict=True):
-        mujoco.mj_integratePos(nominal.model, row, rate, time)
+        mujoco.mj_integratePos(nominal().model, row, rate, time)
     return result
 
 
 @pytest.mark.parametrize("count", [1, 32, 45])
-def test_terms_of_many_robots_are_mujocos_of_each(nominal, count):
+def test_terms_of_many_robots_are_mujocos_of_each(count):
     """Also where the robots are not a multiple of the model's copies."""
     qpos, qvel = random_pose(np.random.default_rng(5), count)
-    found = nominal.evaluate(qpos, qvel)
-    model, data = nominal.model, mujoco.MjData(nominal.model)
+    found = nominal().evaluate(qpos, qvel)
+    model, data = nominal().model, mujoco.MjData(nominal().model)
     feet = [(model.body(f"{s}_foot").id, model.site(f"{s}_sole").id) for s in ("left", "right")]
     mass, jacobian, rate = np.zeros((18, 18)), np.zeros((6, 18)), np.zeros((6, 18))
     for i in range(count):
@@ -53,16 +48,16 @@ def test_terms_of_many_robots_are_mujocos_of_each(nominal, count):
             np.testing.assert_allclose(found.foot_bias[i, leg], rate @ qvel[i], rtol=0, atol=1e-11)
 
 
-def test_com_and_its_bias_are_those_of_differences_without_joint_acceleration(nominal):
+def test_com_and_its_bias_are_those_of_differences_without_joint_acceleration():
     poses = random_pose(np.random.default_rng(3), 4)
-    dynamics = nominal.evaluate(*poses)
-    data, jacobian = mujoco.MjData(nominal.model), np.zeros((3, 18))
+    dynamics = nominal().evaluate(*poses)
+    data, jacobian = mujoco.MjData(nominal().model), np.zeros((3, 18))
     for i in range(4):
         data.qpos[:], data.qvel[:] = poses[0][i], poses[1][i]
-        mujoco.mj_forward(nominal.model, data)
-        mujoco.mj_jacSubtreeCom(nominal.model, data, jacobian, 1)
+        mujoco.mj_forward(nominal().model, data)
+        mujoco.mj_jacSubtreeCom(nominal().model, data, jacobian, 1)
         np.testing.assert_allclose(dynamics.com_jacobian[i], jacobian, atol=1e-10)
-    ahead, behind = (nominal.evaluate(moved(nominal, *poses, s * EPS), poses[1]) for s in (1, -1))
+    ahead, behind = (nominal().evaluate(moved(*poses, s * EPS), poses[1]) for s in (1, -1))
     np.testing.assert_allclose(
         dynamics.com_velocity, (ahead.com - behind.com) / (2 * EPS), atol=1e-7
     )

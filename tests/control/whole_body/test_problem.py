@@ -7,29 +7,25 @@ import numpy as np
 import pytest
 
 from slider.control import qp
-from slider.control.whole_body.model import Dynamics, NominalModel
+from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.problem import WholeBody
 from slider.control.whole_body.tasks import BodyControl
 from slider.env.starts import at_rest
 from slider.robot import names
-from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
+from tests.control.walking import nominal
+from tests.env.synthetic import TRANSMISSION, config, robot_config
 
 CONTROL = config().control["mpc_wbc_tuned"].whole_body
 COUNT = 3
-MOTOR = TORQUE_LIMITS[3]  # of a capstan [N m]
-
-
-@pytest.fixture(scope="module")
-def nominal() -> NominalModel:
-    return NominalModel(robot_config())
+MOTOR = TRANSMISSION.torque[3]  # of a capstan [N m]
 
 
 @pytest.fixture
-def dynamics(nominal) -> Dynamics:
+def dynamics() -> Dynamics:
     """Robots near standing that move a little."""
     rng = np.random.default_rng(5)
     qpos, _ = at_rest(robot_config(), config().evaluation.start, rng, COUNT)
-    return nominal.evaluate(qpos, 0.1 * rng.standard_normal((COUNT, 18)))
+    return nominal().evaluate(qpos, 0.1 * rng.standard_normal((COUNT, 18)))
 
 
 def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), settings=CONTROL):
@@ -94,11 +90,11 @@ def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
             np.testing.assert_allclose(found, efforts[DRIVEN], rtol=1e-9, atol=1e-9)
             # The motors turn slowly: the limits are those of the torque.
             left = problem.upper[i, num_forces : num_forces + 10] - problem.rows[i, :10] @ y
-            torques = motor_torques(efforts[None, 6:])[0]
-            np.testing.assert_allclose(TORQUE_LIMITS - left, torques, rtol=1e-9, atol=1e-9)
+            torques = TRANSMISSION.torques(efforts[None, 6:])[0]
+            np.testing.assert_allclose(TRANSMISSION.torque - left, torques, rtol=1e-9, atol=1e-9)
 
 
-def test_forces_lie_in_the_friction_cone_and_carry_the_weight(nominal, dynamics):
+def test_forces_lie_in_the_friction_cone_and_carry_the_weight(dynamics):
     slippery = replace(CONTROL, friction=0.02)
     _, _, problem = build(dynamics, BOTH, (0.5, 0.0, 0.0), slippery)
     for i in range(COUNT):
@@ -109,7 +105,7 @@ def test_forces_lie_in_the_friction_cone_and_carry_the_weight(nominal, dynamics)
         assert (np.abs(force[:, :2]) <= bound + 1e-4).all()
         assert np.isclose(np.abs(force[:, :2]), bound, atol=1e-5).any(), "a side is active"
     _, _, still = build(dynamics, BOTH)
-    weight = nominal.mass * 9.81
+    weight = nominal().mass * 9.81
     total = solution(still, 0)[:12].reshape(4, 3).sum(axis=0)
     assert total[2] == pytest.approx(weight, rel=0.1)
 
@@ -129,8 +125,8 @@ def test_torques_stay_within_a_share_of_the_limits(dynamics):
     body, _, problem = build(dynamics, BOTH, (0.0, 0.0, 8.0), settings)
     efforts, solved = body.solve(problem)
     assert solved.all()
-    torques = motor_torques(efforts)
-    assert (np.abs(torques) <= 0.16 * TORQUE_LIMITS + 1e-4).all()
+    torques = TRANSMISSION.torques(efforts)
+    assert (np.abs(torques) <= 0.16 * TRANSMISSION.torque + 1e-4).all()
     capstans = np.abs(torques.reshape(COUNT, 2, 5)[..., 3:])
     assert capstans.max() == pytest.approx(0.16 * MOTOR, abs=1e-4), "a limit is active"
 
@@ -142,23 +138,23 @@ def test_fast_motors_have_less_torque(dynamics):
     body, _, problem = build(replace(dynamics, qvel=qvel), BOTH, (0.0, 0.0, 60.0))
     efforts, solved = body.solve(problem)
     assert solved.all()
-    capstans = motor_torques(efforts).reshape(COUNT, 2, 5)[..., 3:]
+    capstans = TRANSMISSION.torques(efforts).reshape(COUNT, 2, 5)[..., 3:]
     assert capstans.max() == pytest.approx(0.2 * 2 * MOTOR, abs=1e-4)
     assert capstans.min() > -MOTOR
 
 
-def test_contact_points_are_the_ends_of_the_line(nominal, dynamics):
+def test_contact_points_are_the_ends_of_the_line(dynamics):
     body = WholeBody(robot_config(), CONTROL)
     qpos, _ = at_rest(robot_config(), config().evaluation.start, np.random.default_rng(5), COUNT)
-    data = mujoco.MjData(nominal.model)
+    data = mujoco.MjData(nominal().model)
     data.qpos[:] = qpos[0]
-    mujoco.mj_kinematics(nominal.model, data)
-    mujoco.mj_comPos(nominal.model, data)
+    mujoco.mj_kinematics(nominal().model, data)
+    mujoco.mj_comPos(nominal().model, data)
     found = body.contact_jacobian(dynamics, BOTH)[0].reshape(2, 2, 3, 18)
     for leg, side in enumerate(names.SIDES):
         foot = data.body(names.foot(side))
         for end, x in enumerate((-0.085, 0.085)):
             point = foot.xpos + foot.xmat.reshape(3, 3) @ [x, 0.0, -0.045]
             jacobian = np.zeros((3, 18))
-            mujoco.mj_jac(nominal.model, data, jacobian, None, point, foot.id)
+            mujoco.mj_jac(nominal().model, data, jacobian, None, point, foot.id)
             np.testing.assert_allclose(found[leg, end], jacobian, atol=1e-12)

@@ -17,7 +17,7 @@ from slider.artefacts.recipe import Code, Groups
 from slider.core import files
 from slider.core.errors import UserError, not_read
 
-OF_MACHINE = ("numerics", "device", "precision")
+OF_MACHINE = ("numerics", "device", "precision", "folder")
 """Names in sections whose values depend on the machine that a job runs on."""
 
 

@@ -53,7 +53,7 @@ def test_plan_digests_are_those_of_all_jobs_before_without_the_machine():
         training = JobSpec("walking", "walking", code, section)
         return JobSpec("table1", "table", CODE, {}, {"walking": [training]}).plan_digests
 
-    base = digests({"train": {"weight": 1.0, "device": "cpu"}, "numerics": "avx2"}, CODE)
+    base = digests({"train": {"weight": 1.0, "device": "cpu"}, "folder": "a"}, CODE)
     assert digests({"train": {"weight": 1.0, "device": "cuda"}, "numerics": "sse"}, CODE) == base
     changed = digests({"train": {"weight": 2.0, "device": "cpu"}, "numerics": "avx2"}, CODE)
     assert changed["settings"] != base["settings"]

@@ -49,12 +49,13 @@ results: $(STAMP) # tables of README.md and docs/, from the finished runs in rep
 
 SHIPPED := policy.onnx estimator.onnx policy.json robot.xml
 policy: $(STAMP)
+	test -f $(POLICY)/README.md
 	$(RUN) snakemake -j$(CORES) policy reports/table1.csv --config "hydra=$$HYDRA"
-	cp $(SHIPPED:%=reports/policy/%) $(POLICY)
 	$(RUN) slider.cli results $(POLICY)/README.md
+	cp $(SHIPPED:%=reports/policy/%) $(POLICY)
 
 animation: $(STAMP)
-	$(RUN) slider.cli play --policy $(POLICY) --set robot=slider --tiles --film $(VENV)/walk.webp
+	$(RUN) slider.cli play --policy docs/policy --set robot=slider --tiles --film $(VENV)/walk.webp
 	mv $(VENV)/walk.webp docs/images/walk.webp
 
 docs: $(STAMP) # site/; a broken link is an error

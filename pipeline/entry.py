@@ -61,8 +61,8 @@ def _print(line: object) -> None:
 class Pipeline:
     """The jobs of one configuration, as files below the working directory.
 
-    ``cores`` is the number of cores shared by all jobs. A ``dry_run`` removes nothing. ``earlier``
-    are the files of plans from before.
+    ``cores`` is the number of cores shared by all jobs. A ``dry_run`` removes no result.
+    ``earlier`` are the files of plans from before.
     """
 
     config: Config
@@ -124,8 +124,9 @@ class Pipeline:
                 job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
                 self.plan, smaller = build_plan(targets | {target: job}), self.plan_path
                 self.plan_path = _lay_out(self.plan, self.store, self.config, self.dry_run)
-                if smaller not in (*self.earlier, self.plan_path) and not was_started(smaller):
-                    smaller.unlink(missing_ok=True)  # one plan per call
+                new = smaller.is_file() and smaller not in (*self.earlier, self.plan_path)
+                if new and not was_started(smaller):  # one plan per call
+                    smaller.unlink(missing_ok=True)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
         return find
@@ -151,7 +152,8 @@ class Pipeline:
         """
         signal.signal(signal.SIGTERM, _end_jobs)
         private.submit_at_once(workflow)
-        write_plan(self.plan, self.plan_path.parent)  # another call may have removed its own
+        if not self.plan_path.is_file():  # another call may have removed its own
+            write_plan(self.plan, self.plan_path.parent)
         note_start(self.plan_path, self.overrides, private.forced_recipes(workflow))
         if self.config.tracking.enabled:
             overrides = " ".join(self.overrides)
@@ -204,7 +206,7 @@ def open_pipeline(
 ) -> Pipeline:
     """Compose the configuration and create its jobs; bad input ends with one line and status 1.
 
-    A ``dry_run`` removes nothing.
+    A ``dry_run`` removes no result.
     """
     store = Store(Path(ARTEFACTS))
     try:

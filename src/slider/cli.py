@@ -59,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _require_own_folder()
         if name not in COMMANDS | INTERNAL:
             return _no_command(name)
-        if not any(word.startswith("--film") for word in arguments):  # no renderer is needed
+        if not any(word.startswith("--f") for word in arguments):  # no renderer is needed
             os.environ.pop("MUJOCO_GL", None)
         place, text = (COMMANDS | INTERNAL)[name]
         place, _, function = place.partition(":")

@@ -201,12 +201,16 @@ def test_a_second_run_and_an_edit_by_hand_end_in_the_same_bytes(capsys):
 
 def test_a_run_with_another_config_replaces_no_table(capsys):
     filled("table1")
-    before = Path("README.md").read_text().replace("on ice", "on snow")
-    Path("README.md").write_text(before)
+    before = Path("README.md").read_text()
+    snow = before.replace("on ice", "on snow")
+    Path("README.md").write_text(snow)
     assert cli.main(["results"]) == 0
-    assert Path("README.md").read_text() == before
-    found = f"hydra={METADATA['overrides']}"
-    line = f"table1 is unchanged: expected reports/table1.md of its --config, found {found}"
+    assert Path("README.md").read_text() == before, "of the same settings"
+    other = snow.replace("settings ", "settings 0")
+    Path("README.md").write_text(other)
+    assert [cli.main(["results", *page]) for page in ([], ["README.md"])] == [0, 1]
+    assert MARKED.search(Path("README.md").read_text())[0].startswith(other[11:200])
+    line = f"found hydra={METADATA['overrides']}; empty the block to replace it"
     assert line in capsys.readouterr().err
 
 

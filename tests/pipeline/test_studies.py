@@ -188,7 +188,7 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
             "study.ablation.variants.default: env.observation.terms: expected some of",
         ),
         (
-            "ablation.variants.default.overrides=[finetuning=robust]",
+            "ablation.variants.default.overrides=['finetuning=robust']",
             "study.ablation.training: expected variants without finetuning, found default",
         ),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),

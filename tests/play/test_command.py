@@ -25,7 +25,7 @@ AGENTS = ["policy", *sorted(path.stem for path in (CONF / "control").glob("[!b]*
         (
             "zero --film w.webp --set env.control_period=0.1 env.physics.substeps=20 "
             "report.video.frame_rate=10",
-            "env.control_period: expected a whole part of 0.04 s, for a film, found 0.1",
+            "env.control_period: expected 0.04 s divided by a whole number, for a film, found 0.1",
         ),
         ("zero --velocity 9 0 0", "--velocity: expected VX between -1 and 3, found 9"),
         ("zero --web --port 99999", "--port: expected a free port at 127.0.0.1, found 99999"),

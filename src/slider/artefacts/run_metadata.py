@@ -15,7 +15,7 @@ from slider.core import files
 
 _SOURCE = Path(__file__).parent
 STARTED = ".started"
-"""Suffix of the file that a run of a plan writes beside it."""
+"""Suffix of the file that a run writes beside its plan."""
 _NUMBERS = ("wall_s", "cpu_s", "solve_cpu", "size")
 _TIMES = ("started", "ended", "pipeline_started")
 
@@ -116,5 +116,6 @@ def last_robot(artefacts: Path) -> list[str]:
 def _start(plan: Path) -> dict[str, Any]:
     """What :func:`note_start` recorded beside a plan; empty if it was never run."""
     with suppress(OSError, ValueError):
-        return json.loads(plan.with_suffix(STARTED).read_text("utf-8"))
+        values = json.loads(plan.with_suffix(STARTED).read_text("utf-8"))
+        return values if isinstance(values, dict) else {}
     return {}

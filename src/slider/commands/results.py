@@ -4,7 +4,7 @@ A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NA
 or a Markdown report of ``reports/``, whose headings and tables are copied. The end mark of a
 filled table lists its targets with the digests of their plan (``JobSpec.plan_digests``). A table
 whose plan differs from the current one is marked as outdated. A filled table is replaced only by
-one that was made with the same ``--config``.
+one of the same settings or of the same ``--config``.
 """
 
 import argparse
@@ -60,11 +60,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fill each table whose report exists and mark outdated tables; with ``--check`` list those.
 
-    Missing reports are listed on stderr.
+    Missing reports are listed on stderr, and tables of another ``--config``: of named pages they
+    are status 1.
     """
     pages = arguments.pages or [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]
-    fill = partial(_filled, arguments.reports, Store(arguments.artefacts))
-    outdated = False
+    outdated, refused = False, list[str]()
+    fill = partial(_filled, arguments.reports, Store(arguments.artefacts), refused)
     for page in pages:
         text = page.read_text(encoding="utf-8")
         filled = text if arguments.check else MARKED.sub(fill, text)
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         if filled != text:
             files.write_atomic(page, filled)
             print(f"{page} is filled")
-    return int(outdated and arguments.check)
+    return int(bool(refused and arguments.pages) or (outdated and arguments.check))
 
 
 def changed_since(block: str) -> str:
@@ -118,7 +119,7 @@ def _todays_digests(*command: str) -> dict[str, dict[str, str]]:
     return {target: plan.jobs[recipe].plan_digests for target, recipe in plan.targets.items()}
 
 
-def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
+def _filled(reports: Path, store: Store, refused: list[str], match: re.Match[str]) -> str:
     name = match[2]
     file, body, *others = BLOCKS.get(name, (f"{name}.md", markdown_tables))
     report = reports / file
@@ -141,11 +142,14 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     latest = store.metadata(jobs[0].stage, jobs[0].recipe) if jobs else {}
     digests = "".join(_digests(job.recipe, store) for job in jobs)
     made = origin(command, latest, runs["cpu_s"].sum(min_count=1) / 60)
-    before = _ORIGIN.search(match[0])
-    if before and _overrides(before[0]) != (found := _overrides(made)):
-        found = f"expected {report} of its --config, found {found or 'that without --config'}"
-        print(f"slider results: {name} is unchanged: {found}", file=sys.stderr)
-        return match[0]
+    before, settings = _ORIGIN.search(match[0]), _settings(match[0])
+    if before and settings != _settings(digests):
+        old, new = (_overrides(line) or "no --config" for line in (before[0], made))
+        if old != new:
+            line = f"expected {report} made with {old}, found {new}; empty the block to replace it"
+            print(f"slider results: {name} is unchanged: {line}", file=sys.stderr)
+            refused.append(name)
+            return match[0]
     return f"{match[1]}\n{text}\n\n{made}\n\n<!-- /results{digests} -->"
 
 
@@ -176,10 +180,15 @@ def origin(command: str, metadata: dict[str, Any], minutes: float) -> str:
     return f"Made by `{command}`, {commit}{changed}, {date}, {time}, {machine}."
 
 
+def _settings(mark: str) -> set[tuple[str, str]]:
+    """Targets and digests of their settings in an end mark."""
+    return {(target, settings) for target, settings, _ in _DIGESTS.findall(mark)}
+
+
 def _overrides(line: str) -> str:
     """Value of ``--config`` of the command in a line of :func:`origin`; empty without it."""
     command = shlex.split(line.split("`")[1])
-    return command[-1] if "--config" in command else ""
+    return command[-1].strip() if "--config" in command else ""
 
 
 def picture(report: Path) -> str:

@@ -100,7 +100,7 @@ def _every(scene: Scene) -> int:
     """Control periods per picture."""
     periods = 1.0 / (_FRAME_RATE * scene.motion.period)
     whole = round(periods) >= 1 and math.isclose(periods, round(periods))
-    expected = f"a whole part of {1 / _FRAME_RATE:g} s, for a film"
+    expected = f"{1 / _FRAME_RATE:g} s divided by a whole number, for a film"
     require(whole, "env.control_period", expected, f"{scene.motion.period:g}")
     return round(periods)
 

@@ -120,9 +120,9 @@ def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
     """
     library = GaitLibrary.load(path)
     own = [getattr(library.robot, part.name) for part in fields(Mechanism)]
-    expected = f"the gaits of the robot {config.robot.name}"
     same = own == [getattr(config.robot, part.name) for part in fields(Mechanism)]
-    require(same, str(path), expected, "those of another")
+    expected = f"gaits of the robot {config.robot.name} (another: --set robot=...)"
+    require(same, str(path), expected, "those of another robot")
     motion = Replay(library, velocity, config.env.control_period)
     vx, vy, yaw_rate = motion.velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""

@@ -122,6 +122,15 @@ def test_a_controller_follows_a_velocity_that_changes():
     assert mean_velocity(motion, [0.6, 0.0, 0.0], 4.0)[0] == pytest.approx(0.6, abs=0.08)
 
 
+@pytest.mark.parametrize(
+    "folder", sorted((CONF.parent / "docs").glob("policy*")), ids=lambda p: p.name
+)
+def test_a_policy_that_ships_walks_on_the_robot_of_today(folder):
+    motion = scene("--policy", str(folder), "--set", "robot=slider").motion
+    motion.start(np.zeros(3))
+    assert mean_velocity(motion, [0.6, 0.0, 0.0], 4.0)[0] == pytest.approx(0.6, abs=0.06)
+
+
 @pytest.mark.parametrize("agent", ["zero", "mpc_wbc_tuned"])
 def test_a_push_changes_the_velocity_of_the_base(agent):
     def velocity(push):

@@ -340,7 +340,7 @@ def stage_times(runs: pd.DataFrame) -> str:
 
 
 _COUNTS = {"gauge": 1, "sweep": 1, "stability": 1, "verification": 1, "second_engine": 2}
-_COUNTS |= {"ablation": 7, "seeds": 6}
+_COUNTS |= {"ablation": 8, "seeds": 6}
 BLOCKS: dict[str, tuple[str, Callable[[Path], str] | None, *tuple[str, ...]]] = {
     "trainings": ("seeds.csv", trainings, "table1.csv"),
     "overview": ("table1.csv", overview, "seeds.csv"),

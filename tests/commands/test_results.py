@@ -83,10 +83,11 @@ def test_a_block_has_the_reports_tables_and_their_origin():
 
 HEAD = "controller,label,source,speed,success_rate,tracking_rate,mse_steady,mse\n"
 RUNS = """\
-seed,speed,success_rate,tracking_rate,mse_steady
-1,0.2,1,1,0.000421
-2,0.2,1,1,0.000275
-3,0.2,1,0.9,0.000300
+seed,speed,success_rate,tracking_rate,mse_steady,samples_to_walk
+1,0.2,1,1,0.000421,
+2,0.2,1,1,0.000275,
+3,0.2,1,0.9,0.000300,
+1,,,,,2457600
 """
 
 

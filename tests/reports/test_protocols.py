@@ -155,6 +155,14 @@ def test_speeds(tmp_path):
     assert "| 0.2 | 1.469 ± 0.335 |\n| 3.0 | – |" in text
 
 
+def test_the_highest_tracked_speed_has_the_mean_speed_of_its_robots(tmp_path):
+    walk, fall = make_robots([[1], [1]], [[0.5], [0.3]]), make_robots([[0], [0]], [[1], [1]])
+    speeds = {0.2: fall, 1.2: walk, 2.2: walk, 3.0: fall}
+    evaluations = [Evaluation("policy", *one) for one in speeds.items()]
+    out = report(tmp_path, "sweep", config("experiment=test").protocols["sweep"], evaluations)[2]
+    assert "| policy (ours) | 2.2 | 1.40 | 0.2 |" in (out / "sweep.md").read_text()
+
+
 def test_the_highest_tracked_speed():
     shares = {"controller": "p", "speed": [0.2, 2.2, 3.0], "tracking_rate": [1.0, 0.9, 0.89]}
     assert protocols.highest_tracked(pd.DataFrame(shares)) == {"p": 2.2}

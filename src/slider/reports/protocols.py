@@ -159,15 +159,15 @@ def highest_tracked(frame: pd.DataFrame) -> dict[str, float | None]:
 
 
 def _highest_table(frame: pd.DataFrame) -> Table:
-    """Highest speed that each controller tracks, and lower ones that it does not."""
+    """Highest speed that each controller tracks, how it walks there, and lower untracked ones."""
     body = []
     for controller, top in highest_tracked(frame).items():
-        mine = frame[frame["controller"] == controller]
-        lost = mine["speed"][(mine["tracking_rate"] < TRACKED_SHARE) & (mine["speed"] < (top or 0))]
-        texts = ["none" if top is None else speed_text(top), ", ".join(map(speed_text, lost))]
-        body.append([mine["label"].iloc[0], texts[0], texts[1] or "none"])
-    heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
-    return Table(heads, body)
+        mine = frame[frame["controller"] == controller].set_index("speed")
+        lost = mine.index[(mine["tracking_rate"] < TRACKED_SHARE) & (mine.index < (top or 0))]
+        at = ["none", NONE] if top is None else [speed_text(top), f"{mine.mean_velocity[top]:.2f}"]
+        body.append([mine["label"].iloc[0], *at, ", ".join(map(speed_text, lost)) or "none"])
+    heads = ["controller", "highest tracked speed [m/s]", "mean speed there [m/s]"]
+    return Table([*heads, "lower speeds that it does not track"], body)
 
 
 def _segments(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from slider.artefacts.plan import JobSpec, build_plan
 from slider.config.parameters import choose, parameters, scaled
 from slider.core.errors import UserError
 from slider.core.files import flatten
+from slider.robot.bodies import own_bodies, total_mass
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.config.composed import CONF, composed
 
@@ -103,10 +104,13 @@ def test_every_assumed_number_has_two_variants_but_zeros(everything):
     assumed = choose(parameters(composed(TEST).robot), ["assumed"], [])
     varied = [item for item in assumed if any(item.value)]
     assert len(varied) < len(assumed)
-    names, _, changes, notes = zip(*everything.section["variants"][1:], strict=True)
+    nominal, lighter, *others = everything.section["variants"]
+    assert (nominal[0], lighter[0]) == ("nominal", "lighter")
+    names, _, changes, notes = zip(*others, strict=True)
     assert [*names] == [f"{item.path}*{factor}" for item in varied for factor in (0.8, 1.2)]
     evaluated = {key[0] for key in keyed(everything, "evaluations")}
-    assert evaluated == {"nominal", *(n for n, note in zip(names, notes, strict=True) if not note)}
+    unnoted = (n for n, note in zip(names, notes, strict=True) if not note)
+    assert evaluated == {"nominal", "lighter", *unnoted}
     assert "robot.links.base.inertia=[0.036,0.0216,0.0336]" in changes
 
 
@@ -117,7 +121,7 @@ def test_a_job_differs_in_its_parameter_alone_and_is_shared_where_it_has_no_effe
         jobs = keyed(everything, group)
         for (variant, seed, speed), made in jobs.items():
             path, nominal = variant.partition("*")[0], jobs["nominal", seed, speed]
-            if variant == "nominal":
+            if variant in ("nominal", "lighter"):
                 continue
             own, others = flatten(made.section), flatten(nominal.section)
             assert {name for name in others if own[name] != others[name]} <= {f"robot.{path}"}
@@ -138,15 +142,21 @@ def test_the_simulated_robot_has_no_part_that_only_gaits_use():
             assert build_spec(scaled(robot, item.path, 1.2), options).to_xml() == before
 
 
+def test_the_lighter_robot_weighs_as_its_label_says(everything):
+    _, label, changes, _ = everything.section["variants"][1]
+    robot = composed(*changes.split()).robot
+    assert label == f"{total_mass(own_bodies(robot)):.1f} kg"
+
+
 def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
     """A thigh of half its length: thigh and shank do not reach the ankle."""
     key = "study.sensitivity.scaling"
     job = study("sensitivity", f"{key}.parameters=[virtual_knee.thigh_length]", f"{key}.change=0.5")
-    _, short, long = job.section["variants"]
+    *_, short, long = job.section["variants"]
     assert short[3].startswith("invalid robot: robot.virtual_knee: expected thigh + shank")
     assert "\n" not in short[3]
     assert long[3] == ""
-    assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}
+    assert {key[0] for key in keyed(job, "gaits")} == {"nominal", "lighter", long[0]}
 
 
 def test_other_robots_have_gaits_a_training_and_evaluations_of_their_own(monkeypatch):

@@ -26,7 +26,7 @@ class Cost:
 
 
 def _paper(node: Node, _: ca.SX) -> ca.SX:
-    """Eq. 2 as printed: Σ over domains of (1/T) Σ over nodes of ‖τ‖²."""
+    """Eq. 2 as read: Σ over both steps of (1/T) Σ over nodes of ‖τ‖², T the step time."""
     return ca.sumsqr(node.dynamics.torques) / node.symbols.step_time
 
 
